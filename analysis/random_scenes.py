@@ -119,6 +119,9 @@ def close(kind: str, generator: Generator) -> Written:
     return scene
 
 
+AIR = Air.model_json_schema()  # which takes milliseconds to make
+
+
 # Each law of motion is compiled, which takes a second: some are drawn, once for all scenes.
 LAWS = 40
 
@@ -186,7 +189,7 @@ def _blow(scene: Written, law: Generator, generator: Generator) -> None:
         "density_scale_height": _maybe(law, uniform(5e3, 1e4)),
     }
     scene["earth"] = _maybe(law, {"latitude": uniform(-1.57, 1.57), "azimuth": uniform(-3.1, 3.1)})
-    schema, further = Air.model_json_schema(), generator.spawn(1)[0]
+    schema, further = AIR, generator.spawn(1)[0]
     for name, part in schema["properties"].items():
         if name not in scene["air"] and law.random() < 0.25:
             scene["air"][name] = _allowed(part, schema["$defs"], further)

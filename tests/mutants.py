@@ -3,14 +3,13 @@
     python tests/mutants.py [--sample 300] [--seed 1] [--only model] [--jobs 2]
 
 A mutant is one module with one operator, comparison or constant changed, in a copy of the package
-that stands before the real one on the path. A first run of the tests of `TESTS` records which test
-reaches which line, and in what time; of a file of tests that changed as little as the package did,
-an earlier record is kept. A line that runs while its module is imported is in no test: the tests of
-all files that import the module count as reaching it. Each mutant then runs the tests that reach
-its line, followed by those that reach its module, the quickest first, up to `LIMITS[0]` seconds in
-all; one that survives them without a reason, up to `LIMITS[1]`. Killed: a test fails, or none ends
-in time. The others are survivors, whether another test would kill them or not. A mutant for which
-no test runs is an error, of this program or of its lists.
+that comes before the real one on the path. A first run of the tests of `TESTS` records which test
+reaches which line, and in what time; the record is kept for as long as no source changes. A line
+that runs while its module is imported is in no test: the tests of all files that import the module
+count as reaching it. Each mutant then runs the tests that reach its line, followed by those that
+reach its module, the quickest first, up to `LIMIT` seconds in all. Killed: a test fails, or does
+not end in time. The others are survivors, whether another test would kill them or not. A mutant for
+which no test runs is an error, of this program or of its lists.
 
 Mutants are drawn at random from `FOLDERS`, from each in proportion to its mutants, in an order of
 which any beginning is such a sample. Survivors are written to tests/mutants.csv, where the column
@@ -36,14 +35,13 @@ import signal
 import sys
 import tempfile
 import time
-import tomllib
 import traceback
 from collections import Counter, defaultdict
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import ThreadPoolExecutor, as_completed
 from copy import deepcopy
 from dataclasses import dataclass, field
-from functools import cache, cached_property
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -65,30 +63,25 @@ TESTS = (
     "tests/test_against_oracle.py",
     "tests/analysis/test_survival.py",
 )
-# Written by a program from another module, which is mutated in its place: ruff leaves these alone.
-with (ROOT / "pyproject.toml").open("rb") as file:
-    EXCLUDED = tomllib.load(file)["tool"]["ruff"]["extend-exclude"]
-GENERATED = {
-    path.relative_to(PACKAGE).as_posix()
-    for path in map(ROOT.joinpath, EXCLUDED)
-    if path.is_relative_to(PACKAGE)
-}
+# Written by a program from another module, which is mutated in its place.
+GENERATED = {"model/dicts.py", "model/impact.py"}
 # Tested by night alone, for a minute: hundreds of mutants cannot wait for that.
 BY_NIGHT = {"golden/home_runs.py"}
 # Compiled code leaves no trace, and what prints it leaves one in the first test alone: their tests
 # are those of the module that calls it.
 CALLERS = {
-    "engines/batch/expansion.py": "engines/batch/records.py",
-    "engines/batch/flights.py": "engines/batch/records.py",
-    "engines/batch/jit.py": "engines/batch/records.py",
-    "engines/batch/roots.py": "engines/batch/records.py",
-    "engines/batch/tangents.py": "engines/batch/records.py",
-    "engines/batch/writer.py": "engines/batch/records.py",
+    **dict.fromkeys(
+        (
+            f"engines/batch/{name}.py"
+            for name in ("expansion", "flights", "jit", "roots", "tangents", "writer")
+        ),
+        "engines/batch/records.py",
+    ),
     "engines/coefficients.py": "engines/polynomial.py",
     "engines/series.py": "engines/taylor.py",
     "engines/verlet_steps.py": "engines/verlet.py",
 }
-LIMITS = (60.0, 300.0)  # s of tests for a mutant
+LIMIT = 300.0  # s of tests for a mutant
 SLOWER = 3.0  # times as long as without a mutant: no end
 COMPILING = 30.0  # s beyond that
 # In place of a line: what runs while the module is imported, which is in no test.
@@ -249,8 +242,8 @@ class Reach:
     seconds: dict[str, float]
     lines: dict[str, dict[str, list[str]]]  # by module and line
 
-    def tests(self, mutant: Mutant, limit: float) -> dict[str, float]:
-        """Return the tests of a mutant and their times, in their order, up to a limit of s."""
+    def tests(self, mutant: Mutant) -> dict[str, float]:
+        """Return the tests of a mutant and their times, in their order."""
         reached = self.lines.get(mutant.module, {})
         own = [test for line in mutant.lines for test in reached.get(str(line), ())]
         own = own or reached.get(IMPORTED, [])
@@ -259,7 +252,7 @@ class Reach:
         ordered = (test for of in (own, near) for test in sorted(of, key=self.seconds.__getitem__))
         chosen: dict[str, float] = {}
         for test in dict.fromkeys(ordered):
-            if not chosen or sum(chosen.values()) + self.seconds[test] < limit:
+            if not chosen or sum(chosen.values()) + self.seconds[test] < LIMIT:
                 chosen[test] = self.seconds[test]
         return chosen
 
@@ -271,63 +264,46 @@ class Recorder:
     So that a busy machine, on which it takes longer, leaves none out.
     """
 
+    coverage: Any
     seconds: dict[str, float] = field(default_factory=dict)
-    failed: list[str] = field(default_factory=list)
-    begun: float = 0.0
-
-    @cached_property
-    def coverage(self) -> Any:
-        """The measurement, begun when it is first asked for."""
-        coverage = importlib.import_module("coverage").Coverage(
-            data_file=None, config_file=False, source_pkgs=["longball"], messages=False
-        )
-        coverage.start()
-        return coverage
-
-    def pytest_sessionstart(self) -> None:
-        """Begin."""
-        assert self.coverage
+    failed: set[str] = field(default_factory=set)
 
     def pytest_runtest_logstart(self, nodeid: str) -> None:
         """Record for a test."""
         self.coverage.switch_context(nodeid)
-        self.begun = _processor_time()
+        self.seconds[nodeid] = -_processor_time()
 
     def pytest_runtest_logfinish(self, nodeid: str) -> None:
         """Note how long a test took."""
-        self.seconds[nodeid] = _processor_time() - self.begun
+        self.seconds[nodeid] += _processor_time()
 
     def pytest_runtest_logreport(self, report: pytest.TestReport) -> None:
         """Note whether a test fails."""
         if report.failed:
-            self.failed.append(report.nodeid)
-
-    def reach(self) -> Reach:
-        """Load the record of the lines that tests reach."""
-        self.coverage.stop()
-        data, lines = self.coverage.get_data(), {}
-        for name in data.measured_files():
-            module = Path(name).relative_to(PACKAGE).as_posix()
-            if not module.startswith(FOLDERS):
-                continue
-            found = data.contexts_by_lineno(name)
-            lines[module] = {
-                str(n): [t for t in tests if t in self.seconds and t not in self.failed]
-                for n, tests in found.items()
-            }
-        return Reach(self.seconds, lines)
+            self.failed.add(report.nodeid)
 
 
 @dataclass(eq=False)
 class Chosen:
-    """A plugin of pytest: runs some tests only, in their order."""
+    """A plugin of pytest: runs some tests only, in their order, each for as long as it may take."""
 
-    tests: list[str]
+    tests: dict[str, float]
 
     def pytest_collection_modifyitems(self, items: list[pytest.Item]) -> None:
         """Choose among the tests."""
         place = {test: i for i, test in enumerate(self.tests)}
         items[:] = sorted((i for i in items if i.nodeid in place), key=lambda i: place[i.nodeid])
+
+    def pytest_runtest_logstart(self, nodeid: str) -> None:
+        """Let the process end if a test does not."""
+        end_after(COMPILING + SLOWER * self.tests[nodeid])
+
+
+def end_after(seconds: float) -> None:
+    """End this process after some more seconds of the processor."""
+    used = resource.getrusage(resource.RUSAGE_SELF)
+    end = math.ceil(used.ru_utime + used.ru_stime + seconds)
+    resource.setrlimit(resource.RLIMIT_CPU, (end, resource.RLIM_INFINITY))
 
 
 def _processor_time() -> float:
@@ -336,92 +312,66 @@ def _processor_time() -> float:
     return times.user + times.system + times.children_user + times.children_system
 
 
-def record(jobs: int) -> Reach:
+def record() -> Reach:
     """Record the lines that the tests reach, and return them."""
-    modules = [
-        test.relative_to(ROOT).as_posix()
-        for name in TESTS
-        for test in sorted((ROOT / name).rglob("test_*.py")) or [ROOT / name]
-    ]
-    seconds: dict[str, float] = {}
-    lines: dict[str, dict[str, list[str]]] = defaultdict(lambda: defaultdict(list))
-    with ThreadPoolExecutor(jobs) as pool:
-        for name, reach in zip(modules, pool.map(_recorded, modules), strict=True):
-            seconds |= reach.seconds
-            for module in imported(ROOT / name):
-                lines[module][IMPORTED] += reach.seconds
-            for module, reached in reach.lines.items():
-                for line, tests in reached.items():
-                    lines[module][line] += tests
-    if not seconds:
-        sys.exit(f"no test was run; see {SPACE}/output-*")
-    return Reach(seconds, lines)
-
-
-def imported(tests: Path) -> Iterator[str]:
-    """Yield the modules of the package that a file of tests imports."""
-    for node in ast.walk(ast.parse(tests.read_text(encoding="utf-8"))):
-        if isinstance(node, ast.ImportFrom) and (node.module or "").startswith("longball."):
-            path = Path(*(node.module or "").split(".")[1:])
-            for name in (path, *(path / alias.name for alias in node.names)):
-                if (PACKAGE / name).with_suffix(".py").exists():
-                    yield name.with_suffix(".py").as_posix()
-
-
-def _recorded(tests: str) -> Reach:
-    """Return the lines that the tests of one module reach."""
-    digest = hashlib.sha256(_sources() + tests.encode() + (ROOT / tests).read_bytes()).hexdigest()
-    file = SPACE / "reach" / f"{digest}.json"
-
-    def run() -> int:
-        recorder = Recorder()
-        _pytest((tests,), recorder)
-        found = {"reach": vars(recorder.reach()), "failed": recorder.failed}
-        half = file.with_suffix(".new")
-        half.write_text(json.dumps(found), encoding="utf-8")
-        half.replace(file)
-        return 0
-
-    if not file.exists() and _forked(run) != 0:
-        sys.exit(f"the tests of {tests} did not run; see {SPACE}/output-*")
-    found = json.loads(file.read_text(encoding="utf-8"))
-    for test in found["failed"]:
-        print(f"fails without a mutant, and is left out: {test}", flush=True)
-    return Reach(**found["reach"])
-
-
-@cache
-def _sources() -> bytes:
-    """Return a digest of all that a file of tests may use."""
-    used = [PACKAGE.rglob("*.py"), PACKAGE.rglob("*.jsonl"), (ROOT / "analysis").rglob("*.py")]
-    used.append(p for p in (ROOT / "tests").rglob("*.py") if not p.name.startswith("test_"))
+    used = [PACKAGE.rglob("*.py"), PACKAGE.rglob("*.jsonl")]
+    used += [(ROOT / name).rglob("*.py") for name in ("analysis", "tests")]
     digest = hashlib.sha256()
     for path in sorted(path for paths in used for path in paths):
         digest.update(path.read_bytes())
-    return digest.digest()
+    file = SPACE / f"reach-{digest.hexdigest()}.json"
+
+    def run() -> int:
+        coverage = importlib.import_module("coverage").Coverage(
+            data_file=None, config_file=False, source_pkgs=["longball"], messages=False
+        )
+        coverage.start()
+        recorder = Recorder(coverage)
+        _pytest(TESTS, recorder)
+        coverage.stop()
+        data, right = coverage.get_data(), recorder.seconds.keys() - recorder.failed
+        lines: dict[str, dict[str, list[str]]] = defaultdict(lambda: defaultdict(list))
+        for test in sorted(right):
+            for module in imported(test.partition("::")[0]):
+                lines[module][IMPORTED].append(test)
+        for name in data.measured_files():
+            module = Path(name).relative_to(PACKAGE).as_posix()
+            if module.startswith(FOLDERS):
+                for n, tests in data.contexts_by_lineno(name).items():
+                    lines[module][str(n)] = [test for test in tests if test in right]
+        file.write_text(json.dumps([recorder.seconds, lines, sorted(recorder.failed)]))
+        return 0
+
+    if not file.exists() and _forked(run) != 0:
+        sys.exit(f"the tests did not run; see {SPACE}/output-*")
+    seconds, lines, failed = json.loads(file.read_text())
+    for test in failed:
+        print(f"fails without a mutant, and is left out: {test}", flush=True)
+    return Reach(seconds, lines)
 
 
-@dataclass(frozen=True)
-class Task:
-    """A mutant, and lists of tests; each list runs only if the mutant survives the one before."""
-
-    mutant: Mutant
-    tests: tuple[dict[str, float], ...]
+@cache
+def imported(tests: str) -> tuple[str, ...]:
+    """Return the modules of the package that a file of tests imports."""
+    found = []
+    for node in ast.walk(ast.parse((ROOT / tests).read_text(encoding="utf-8"))):
+        if isinstance(node, ast.ImportFrom) and (node.module or "").startswith("longball."):
+            path = Path(*(node.module or "").split(".")[1:])
+            names = (path, *(path / alias.name for alias in node.names))
+            found += [name.with_suffix(".py") for name in names]
+    return tuple(name.as_posix() for name in found if (PACKAGE / name).exists())
 
 
 def require_tests(tried: Iterable[Mutant], reach: Reach) -> None:
     """End the program if no test reaches the module of a mutant."""
-    if alone := {mutant.module for mutant in tried if not reach.tests(mutant, LIMITS[0])}:
+    if alone := {mutant.module for mutant in tried if not reach.tests(mutant)}:
         sys.exit(f"no test of {', '.join(TESTS)} reaches {', '.join(sorted(alone))}")
 
 
-def _tried(task: Task) -> tuple[Mutant, str, float]:
+def _tried(mutant: Mutant, tests: dict[str, float]) -> tuple[Mutant, str, float]:
     """Return a mutant, its fate, and how long that took, s."""
-    start, word = time.monotonic(), "SURVIVED"
-    for tests in task.tests:
-        if word == "SURVIVED":
-            word = fate(task.mutant, tests)
-    return task.mutant, word, time.monotonic() - start
+    start = time.monotonic()
+    return mutant, fate(mutant, tests), time.monotonic() - start
 
 
 def fate(mutant: Mutant, tests: dict[str, float]) -> str:
@@ -429,7 +379,6 @@ def fate(mutant: Mutant, tests: dict[str, float]) -> str:
 
     ``killed``, ``no end`` or ``SURVIVED``; ``NO TEST`` if none ran.
     """
-    seconds = COMPILING + SLOWER * sum(tests.values())
     files = dict.fromkeys(test.partition("::")[0] for test in tests)
     with tempfile.TemporaryDirectory(dir=SPACE) as folder:
         shutil.copytree(PACKAGE, Path(folder) / "longball", copy_function=os.link)
@@ -445,12 +394,13 @@ def fate(mutant: Mutant, tests: dict[str, float]) -> str:
             os.environ["NUMBA_CACHE_DIR"] = str(kept)
             sys.path.insert(0, folder)
             os.environ["PYTHONPATH"] = os.pathsep.join([folder, os.environ.get("PYTHONPATH", "")])
+            end_after(LIMIT)
             # A module that cannot be imported would end pytest before any test, in a conftest.
             path = Path("longball", mutant.module).with_suffix("")
             importlib.import_module(".".join(path.parts).removesuffix(".__init__"))
-            return _pytest(("-x", *files), Chosen(list(tests)))
+            return _pytest(("-x", *files), Chosen(tests))
 
-        status = _forked(run, seconds)
+        status = _forked(run)
     return _FATES.get(status, "killed")
 
 
@@ -461,12 +411,11 @@ def _pytest(files: tuple[str, ...], plugin: object) -> int:
     return int(pytest.main([*options, *files], plugins=[plugin]))
 
 
-_NO_END = -signal.SIGXCPU
 _FATES = {
     pytest.ExitCode.OK: "SURVIVED",
     pytest.ExitCode.NO_TESTS_COLLECTED: "NO TEST",
     pytest.ExitCode.USAGE_ERROR: "NO TEST",
-    _NO_END: "no end",
+    -signal.SIGXCPU: "no end",
 }
 
 
@@ -487,13 +436,10 @@ def _quiet() -> Iterator[None]:
                 os.close(before)
 
 
-def _forked(run: Callable[[], int], seconds: float = math.inf) -> int:
-    """Return the exit status of a process of its own; `_NO_END` if it takes more seconds."""
+def _forked(run: Callable[[], int]) -> int:
+    """Return the exit status of a process of its own."""
     process = os.fork()
     if process == 0:
-        # Of the processor, so that a busy machine ends none too early.
-        limit = math.ceil(seconds) if math.isfinite(seconds) else resource.RLIM_INFINITY
-        resource.setrlimit(resource.RLIMIT_CPU, (limit, resource.RLIM_INFINITY))
         status = 1
         with _quiet():
             try:
@@ -542,8 +488,7 @@ def main() -> None:
     parser.add_argument("--jobs", type=int, default=os.cpu_count() or 1, help="at once")
     options = parser.parse_args()
     os.chdir(ROOT)
-    for folder in ("compiled", "reach"):
-        (SPACE / folder).mkdir(parents=True, exist_ok=True)
+    (SPACE / "compiled").mkdir(parents=True, exist_ok=True)
     os.environ |= {
         "PYTHONPATH": os.pathsep.join([str(PACKAGE.parent), str(ROOT)]),
         "PYTHONDONTWRITEBYTECODE": "1",
@@ -557,15 +502,12 @@ def main() -> None:
     asked = [mutant for mutant in every if mutant.module.startswith(options.only)]
     if options.again:
         asked = [mutant for mutant in asked if reasons.get(mutant.key) == ""]
-    reach = record(options.jobs)
-    require_tests(asked[: options.sample], reach)
-    tasks = (
-        Task(m, tuple(reach.tests(m, limit) for limit in LIMITS[: 1 if reasons.get(m.key) else 2]))
-        for m in asked[: options.sample]
-    )
+    asked_for, reach = asked[: options.sample], record()
+    require_tests(asked_for, reach)
+    tasks = [(mutant, reach.tests(mutant)) for mutant in asked_for]
     tried, survivors, untested = [], [], 0
     with ThreadPoolExecutor(options.jobs) as pool, contextlib.suppress(KeyboardInterrupt):
-        for done in as_completed([pool.submit(_tried, task) for task in tasks]):
+        for done in as_completed([pool.submit(_tried, *task) for task in tasks]):
             mutant, word, seconds = done.result()
             if word == "NO TEST":
                 untested += 1

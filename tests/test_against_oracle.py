@@ -48,18 +48,13 @@ def names_of(schema):
     return {name for name in found if isinstance(name, str)}
 
 
-def test_random_scenes_have_every_key_and_option():
-    scenes, _ = nightly.drawn(SEED, range(400))
+def test_random_scenes_have_every_key_option_and_outcome():
+    scenes, _ = nightly.drawn(SEED, range(SCENES))
     # An id changes nothing; the options that are defaults are what is left out.
     defaults = {*oracle.READINGS.values(), "pivot", "id"}
     wanted = names_of(json.loads(SCHEMA.read_text(encoding="utf-8"))) - defaults
     assert wanted - set().union(*map(names_in, scenes)) == set()
-
-
-def test_outcomes_are_well_spread():
-    scenes, _ = nightly.drawn(SEED, range(SCENES))
-    found = {lb.solve(scene).outcome for scene in scenes}
-    assert found == set(get_args(Outcome))
+    assert {lb.solve(scene).outcome for scene in scenes} == set(get_args(Outcome))
 
 
 def test_the_comparison_notices_what_is_wrong():
@@ -99,15 +94,3 @@ def test_a_scene_in_doubt_is_left_out():
         else:
             high = graze["swing"]["height_offset"]
     assert nightly.truth(graze) is None
-
-
-def test_always_up_on_a_turning_earth():
-    """The Earth turns the ball out of its plane, so that the axis is not across its velocity."""
-    scene = {
-        "kind": "flight",
-        "launch": {"position": [0, 0, 1], "velocity": [30, 0, 25]},
-        "earth": {"latitude": 0.7},
-        "reading": {"lift_direction": "always_up"},
-    }
-    rows, _ = nightly.compare([scene], ["always up"])
-    assert not any(row.wrong for row in rows)

@@ -51,16 +51,18 @@ def command_line(*arguments: str, **options) -> subprocess.CompletedProcess:
 @pytest.mark.parametrize(
     ("engine", "lines"),
     [
-        ("verlet", SCENES),
         ("ivp", AT_BAT),
-        pytest.param("ivp", SCENES, marks=pytest.mark.nightly),
         *(
-            pytest.param(e, AT_BAT, marks=pytest.mark.nightly)
-            for e in ("enclosure", "multiprecision")
+            pytest.param(*case, marks=pytest.mark.nightly)  # to compile takes seconds a law
+            for case in (
+                ("ivp", SCENES),
+                ("verlet", SCENES),
+                ("enclosure", AT_BAT),
+                ("multiprecision", AT_BAT),
+            )
         ),
     ],
 )
-@pytest.mark.sampled(every=2)
 def test_engines_give_the_same_bits(engine: str, lines: str):
     run = command_line("solve", "--engine", engine, lines=lines)
     whole = light(

@@ -19,7 +19,6 @@ from longball.engines.ivp import Ivp
 from longball.model.frame import launch_frame
 from longball.model.law import law_of
 from longball.model.numbers import DOUBLES
-from longball.model.readings import Reading
 from longball.model.result import Result
 from longball.model.scene import (
     Ball,
@@ -246,14 +245,6 @@ def leaves(data, path=()):
             yield (*path, key)
 
 
-def inner_objects(data, path=()):
-    """Yield the paths to the object itself and all objects in it."""
-    yield path
-    for key, value in data.items():
-        if isinstance(value, dict):
-            yield from inner_objects(value, (*path, key))
-
-
 def reached(data, path):
     for key in path:
         data = data[key]
@@ -285,41 +276,6 @@ def test_a_value_of_the_wrong_kind_is_refused_by_name(data, draw):
         st.sampled_from([x for x in wrong if x != {} or path[:1] != ("air",)])  # defaults, weather
     )
     assert name_of(path) in refusal(json.dumps(data))
-
-
-@given(as_data, st.text(min_size=1, max_size=10), st.data())
-def test_an_unknown_key_is_refused_by_name(data, key, draw):
-    path = draw.draw(st.sampled_from(list(inner_objects(data))))
-    block = reached(data, path)
-    assume(key not in block)
-    block[key] = 1.0
-    if path == ("reading",) and key in Reading.model_fields:
-        return
-    message = refusal(json.dumps(data))
-    assert f"{name_of((*path, key))}: unknown key" in message
-
-
-@given(as_data, st.data())
-def test_a_missing_key_is_refused_by_name(data, draw):
-    required = [("kind",)]
-    for block in ("launch", "incoming"):
-        if block in data:
-            required += [(block,), *((block, key) for key in data[block])]
-    path = draw.draw(st.sampled_from(required))
-    del reached(data, path[:-1])[path[-1]]
-    message = refusal(json.dumps(data))
-    assert message.startswith(f"{name_of(path)}: ")
-    assert "missing" in message
-
-
-@given(as_data, st.data())
-def test_a_key_given_twice_is_refused_by_name(data, draw):
-    path = draw.draw(st.sampled_from([p for p in inner_objects(data) if reached(data, p)]))
-    block = reached(data, path)
-    key = draw.draw(st.sampled_from(sorted(block)))
-    block["twice"] = block[key]
-    text = json.dumps(data).replace('"twice"', f'"{key}"')
-    assert f"{key}: the key is given twice" in refusal(text)
 
 
 @given(scenes(), st.data())

@@ -53,23 +53,25 @@ def test_what_the_command_line_gives_stands_for_what_excludes_it(called, folder)
     assert json.loads(run.stdout)["candidate"] == "results.jsonl"
 
 
-@pytest.mark.parametrize(
-    ("text", "named"),
-    [
-        ("[juge]", "longball.toml: juge: no such command, did you mean judge?"),
-        ("[judge]\ntolerence = 1", "judge.tolerence: no such option, did you mean tolerance?"),
-        ("[judge]\ntolerance = [1, 2]", "judge.tolerance: takes one value, not a list"),
-        ("[judge]\npartial = 1", "judge.partial: must be true or false"),
-        ("[judge]\nrandom = {n = 1}", "judge.random: must be a value, not a table"),
-        ('[judge]\ncommand = "./a b"', "judge.command: must be a list of words, as ["),
-        ("judge = 1", "judge: must be a table of options, [judge]"),
-        ('[judge]\ntolerance = "x"', "longball.toml: judge.tolerance x: must be a number"),
-        ("[judge", "longball.toml: not TOML: "),
-    ],
-)
-def test_a_wrong_file_is_a_wrong_call(called, folder, text: str, named: str):
-    (folder / "longball.toml").write_text(text)
-    run = called("judge", "--", "true")
-    assert (run.returncode, run.stdout) == (2, "")
-    assert named in run.stderr
-    assert called("judge", "--help").returncode == 0
+# Files, whose lines are separated here by |, and what is said of them.
+WRONG = """
+[juge] -> longball.toml: juge: no such command, did you mean judge?
+[judge]|tolerence = 1 -> judge.tolerence: no such option, did you mean tolerance?
+[judge]|tolerance = [1, 2] -> judge.tolerance: takes one value, not a list
+[judge]|partial = 1 -> judge.partial: must be true or false
+[judge]|random = {n = 1} -> judge.random: must be a value, not a table
+[judge]|command = "./a b" -> judge.command: must be a list of words, as [
+judge = 1 -> judge: must be a table of options, [judge]
+[judge]|tolerance = "x" -> longball.toml: judge.tolerance x: must be a number
+[judge -> longball.toml: not TOML:
+"""
+
+
+def test_a_wrong_file_is_a_wrong_call(called, folder):
+    for line in WRONG.strip().splitlines():
+        text, _, said = line.partition(" -> ")
+        (folder / "longball.toml").write_text(text.replace("|", "\n"))
+        run = called("judge", "--", "true")
+        assert (run.returncode, run.stdout) == (2, ""), text
+        assert said in run.stderr
+        assert called("judge", "--help").returncode == 0

@@ -122,16 +122,3 @@ def test_a_step_is_used_for_what_its_error_tells():
         "fitted",
         {"pre-asymptotic", "fitted"},
     )
-    scattered = [9.0, 1.0, 7.0, 2.0, 5.0, 1.0]
-    (seen,) = study(lambda h: scattered[np.abs(STEPS - h).argmin()], STEPS, truth=0.0).orders
-    assert (seen.verdict, {rung.use for rung in seen.rungs}) == ("not resolved", {"no range"})
-    assert "there is no asymptotic range" in seen.why
-
-
-@pytest.mark.parametrize(("spread", "verdict"), [(1.9, "wrong limit"), (2.1, "not resolved")])
-def test_errors_that_neither_fall_nor_change_by_a_factor_of_two_are_a_wrong_limit(spread, verdict):
-    """Equally large ones on either side of the truth: no step fits a line."""
-    steps = np.geomspace(0.1, 0.001, 9)
-    sizes = dict(zip(steps, [1.0, spread] * 5, strict=False))
-    (seen,) = study(lambda h: 3.0 + sizes[h], steps, truth=3.0).orders
-    assert seen.verdict == verdict

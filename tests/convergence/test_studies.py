@@ -49,26 +49,61 @@ def test_numbers_that_come_and_go_are_refused(function, truth):
         study(function, STEPS, truth=truth)
 
 
-def test_errors_at_the_rounding_ask_for_longer_steps():
-    def runge_kutta(h):  # of y' = -y
-        count = round(1 / h)
-        a, y = -1 / count, 1.0
-        for _ in range(count):
-            y += a * y * (1 + a / 2 * (1 + a / 3 * (1 + a / 4)))
-        return y
+def runge_kutta(h):
+    """Four stages for y' = -y: at these steps its errors are roundings."""
+    count = round(1 / h)
+    a, y = -1 / count, 1.0
+    for _ in range(count):
+        y += a * y * (1 + a / 2 * (1 + a / 3 * (1 + a / 4)))
+    return y
 
-    (seen,) = study(runge_kutta, np.geomspace(2e-3, 2e-4, 9), truth=math.exp(-1)).orders
-    assert seen.verdict == "not resolved"
-    assert "try longer steps" in seen.why
+
+def by_turns(*sizes):
+    """Errors of these sizes, step by step: no step fits a line."""
+    known = dict(zip(STEPS, sizes * len(STEPS), strict=False))
+    return lambda h: known[h]
+
+
+def about_a_line(spread):
+    """Errors about a line, with an interval of ±0.14 for its order at a spread of 0.6."""
+    ratio = math.log(STEPS[1] / STEPS[0])
+    return lambda h: 2 * h**1.5 * math.exp(spread * math.cos(2.4 * math.log(h) / ratio))
+
+
+# An error as a function of the step, the order expected, the verdict, and why.
+VERDICTS = [
+    # Errors that neither fall nor change by a factor of two.
+    (by_turns(1.0, 1.9), None, "wrong limit", ""),
+    (by_turns(1.0, 2.1), None, "not resolved", ""),
+    (lambda h: h**2 + 1e-4, 2, "wrong limit", "1.0"),
+    (lambda h: h**4 + 1e-13 * math.sin(1e6 / h), 4, "as expected", ""),  # a floor of rounding
+    (lambda h: h, 2, "other order", ""),
+    # An order is told from the next half, or not.
+    (about_a_line(0.6), 1.5, "as expected", ""),
+    (about_a_line(1.5), 1.5, "not resolved", ""),
+]
+
+
+def test_verdicts_on_functions_of_the_step():
+    for number, (function, expected, verdict, why) in enumerate(VERDICTS):
+        (seen,) = study(lambda h, f=function: 1 + f(h), STEPS, truth=1.0, expected=expected).orders
+        assert seen.verdict == verdict, (number, seen.why)
+        assert why in seen.why, number
+        assert verdict != "as expected" or seen.low < expected < seen.high, number
+        assert expected != 4 or seen.rungs[-1].use == "floor"
+    for function, steps, truth, why in (
+        (runge_kutta, np.geomspace(2e-3, 2e-4, 9), math.exp(-1), "try longer steps"),
+        (by_turns(9.0, 1.0, 7.0, 2.0, 5.0, 1.0), STEPS[:6], 0.0, "there is no asymptotic range"),
+    ):
+        (seen,) = study(function, steps, truth=truth).orders
+        assert seen.verdict == "not resolved"
+        assert why in seen.why
+    assert study(lambda h: h, STEPS[:5], truth=0.0).orders[0].order == pytest.approx(1.0)
 
 
 def test_an_order_that_is_no_number_is_refused():
     with pytest.raises(ValueError, match="expected = nan"):
         study(lambda h: h, STEPS, expected=math.nan)
-
-
-def test_five_steps_are_enough():
-    assert study(lambda h: h, STEPS[:5], truth=0.0).orders[0].order == pytest.approx(1.0)
 
 
 # ---- solvers of scenes ---------------------------------------------------------------------------
@@ -207,39 +242,6 @@ def test_one_scene_is_enough():
     assert distance_of(report).verdict == "as expected"
     with pytest.raises(ValueError, match="no scene to converge in"):
         converge(run, [], STEPS)
-
-
-def test_a_limit_that_is_not_the_truth_is_found():
-    run, truth = implementation(lambda h, v: v * h**2 + 1e-4)
-    seen = distance_of(converge(run, SCENES, STEPS, truth, 2))
-    assert seen.verdict == "wrong limit"
-    assert "1.0" in seen.why
-    assert "e-04 m" in seen.why
-
-
-def test_a_floor_of_rounding_is_no_wrong_limit():
-    def rounded(step, v):
-        return v * step**4 + 1e-13 * math.sin(1e6 / step)
-
-    run, truth = implementation(rounded)
-    seen = distance_of(converge(run, SCENES, STEPS, truth, 4))
-    assert seen.verdict == "as expected"
-    assert seen.rungs[-1].use == "floor"
-
-
-@pytest.mark.parametrize(("spread", "verdict"), [(0.6, "as expected"), (1.5, "not resolved")])
-def test_an_order_is_told_from_the_next_half_or_it_is_not_resolved(spread, verdict):
-    """Errors about a line: with an interval of ±0.14 or of ±0.35 for the order."""
-    ratio = math.log(STEPS[1] / STEPS[0])
-    report = study(
-        lambda h: 2 * h**1.5 * math.exp(spread * math.cos(2.4 * math.log(h) / ratio)),
-        STEPS,
-        truth=0.0,
-        expected=1.5,
-    )
-    (seen,) = report.orders
-    assert seen.low < 1.5 < seen.high
-    assert seen.verdict == verdict
 
 
 def test_scenes_that_end_otherwise_are_left_out_and_told():

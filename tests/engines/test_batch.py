@@ -10,7 +10,6 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from scipy.integrate import quad
 
 from longball.engines import create
 from longball.engines.batch import (
@@ -26,7 +25,6 @@ from longball.engines.batch.roots import NEVER
 from longball.engines.batch.writer import WIDTH, aligned
 from longball.engines.chain import solve
 from longball.engines.enclosure import Enclosure
-from longball.engines.engine import Engine
 from longball.engines.ivp import Ivp
 from longball.engines.series import recurrence
 from longball.model import trace
@@ -291,79 +289,6 @@ def test_landings_of_every_tolerance_lie_that_close_to_proven_ones(nightly: bool
 # --- what has no answer ---------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize(
-    ("height", "outcome"), [(1e-17, None), (1.9e-14, None), (2.1e-14, "airborne")]
-)
-@pytest.mark.parametrize("engine", [Batch(), Ivp()], ids=["batch", "ivp"])
-def test_a_ball_that_glides_within_the_error_of_the_ground_is_an_error(
-    engine: Engine, height: float, outcome: str | None
-) -> None:
-    """Level and without gravity; the error after 60 s is said to be 2e-14 m."""
-    scene = FlightScene(
-        id="glide",
-        gravity=0.0,
-        air=None,
-        launch=Launch(position=(0.0, 0.0, height), velocity=(30.0, 0.0, 0.0)),
-    )
-    result = solve(scene, engine)
-    assert result.outcome == outcome
-    assert outcome or "lies within its error 2e-14" in str(result.error)
-
-
-@pytest.mark.parametrize(
-    ("rise", "later", "outcome"),
-    [
-        (4.9, -5e-15, "airborne"),  # 2.5e-14 m above the ground
-        (4.9, -3e-15, None),
-        (4.9, 0.0, None),
-        (4.9, 1.9e-14, None),
-        (4.9, 2.1e-14, "landed"),
-        (19.6, -3e-15, "airborne"),
-        (19.6, -1e-15, None),
-        (19.6, 7e-14, None),
-        (19.6, 9e-14, "landed"),
-    ],
-)
-@pytest.mark.parametrize("engine", [Batch(), Ivp()], ids=["batch", "ivp"])
-def test_a_parabola_that_ends_within_the_error_of_the_time_limit_is_an_error(
-    engine: Engine, rise: float, later: float, outcome: str | None
-) -> None:
-    """It takes 1 s, or 4 s; the errors are 2e-14 m, and as large a part of the time limit."""
-    scene = FlightScene(
-        id="tie",
-        air=None,
-        time_limit=rise / 4.9 + later,
-        launch=Launch(position=(0.0, 0.0, 0.0), velocity=(3.0, 0.0, rise)),
-    )
-    result = solve(scene, engine)
-    assert result.outcome == outcome
-    assert outcome or "the ground in the time limit cannot be decided" in str(result.error)
-
-
-@pytest.mark.parametrize(("share", "outcome"), [(0.2, None), (1.5, "landed")])
-@pytest.mark.parametrize("sink", [1e-3, 1e-4])
-def test_a_ball_that_sinks_slowly_at_the_time_limit_is_an_error(
-    sink: float, share: float, outcome: str | None
-) -> None:
-    """Of its way of 200 m eight half ulps are kept in the height, which it sinks through in time.
-
-    Those of the place where its last step begins, which is not quite as far.
-    """
-    scene = FlightScene(
-        id="sink",
-        gravity=0.0,
-        air=Air(lift_coefficient=0.0),
-        launch=Launch(position=(0.0, 0.0, 4 * sink), velocity=(60.0, 0.0, -sink)),
-    )
-    landing = solve(scene, Batch()).landing
-    assert landing is not None
-    kept = 8 * 2.0**-53 * float(landing.position[0]) / abs(float(landing.velocity[2]))
-    limit = float(landing.time) + share * kept
-    result = solve(scene.model_copy(update={"time_limit": limit}), Batch())
-    assert result.outcome == outcome
-    assert outcome or "in the time limit cannot be decided" in str(result.error)
-
-
 @pytest.mark.parametrize("size", [1e20, 1e30, 1e10])
 @pytest.mark.sampled(every=3)
 def test_sizes_that_overflow_have_the_same_answer_in_a_list_as_alone(
@@ -407,31 +332,6 @@ def test_a_ball_that_starts_on_the_ground_is_not_left_to_the_scalar_engine(up: f
     assert str(found.engine).startswith("batch")
     assert found.landing is not None
     assert found.landing.time == pytest.approx(up / 5, rel=1e-15)
-
-
-@pytest.mark.parametrize("velocity", [(40.0, 3.0, 20.0), (0.0, 0.0, 30.0)])
-@pytest.mark.parametrize("wind", [0.0, 3.0])
-@pytest.mark.parametrize("engine", [Batch(), Ivp()], ids=["batch", "ivp"])
-def test_a_path_is_long_where_the_air_does_not_push(
-    engine: Engine, wind: float, velocity: tuple[float, float, float]
-) -> None:
-    """The velocity's series ends, and the speed's does not: s = ∫ |v - W| dt along a parabola."""
-    air = {"drag_coefficient": 0.0, "lift_coefficient": 0.0, "spin_decay_length": 100.0}
-    air |= {"wind": {"velocity": (wind, 0.0, 0.0), "height": 10.0, "roughness": 0.03}}
-    launch = {"position": (0.0, 0.0, 1.0), "velocity": velocity, "spin": (0.0, 100.0, 0.0)}
-    scene = FlightScene.model_validate({"air": air, "launch": launch, "gravity": 9.8})
-    x, y, z = velocity
-
-    def speed(t: float) -> float:
-        height = 1.0 + z * t - 4.9 * t * t
-        blown = wind * math.log(height / 0.03 + 1.0) / math.log(10.0 / 0.03 + 1.0)
-        return math.hypot(x - blown, y, z - 9.8 * t)
-
-    top, end = z / 9.8, (z + math.sqrt(z * z + 19.6)) / 9.8
-    parts = [quad(speed, *ends, epsabs=1e-12, epsrel=1e-12)[0] for ends in ((0, top), (top, end))]
-    found = solve(scene, engine).landing
-    assert found is not None
-    assert found.path == pytest.approx(sum(parts), rel=1e-11)
 
 
 @pytest.mark.parametrize(

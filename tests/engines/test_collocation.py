@@ -1,8 +1,9 @@
-"""Gauss-Legendre collocation: the choice of steps, and events on a segment."""
+"""The multiprecision engine, by Gauss-Legendre collocation: steps, events on a segment, digits."""
 
 from __future__ import annotations
 
 import math
+import pickle
 from itertools import pairwise
 from typing import Any
 
@@ -10,6 +11,7 @@ import pytest
 
 from longball.engines.multiprecision import Multiprecision, SegmentCurve
 from longball.model.law import Law, PlaneState, Shape, law_with
+from longball.model.result import Bounded
 from longball.model.trace import Program, variable
 
 DIGITS = 10
@@ -112,3 +114,26 @@ def test_a_rate_that_is_a_variable_is_an_integral_only_of_another_one(outputs, w
     start = law.state(*(exact(1) for _ in names))
     *_, last = METHOD.steps(law, start, exact(0), exact(1), ())
     assert [float(x) for x in last.end] == pytest.approx(wanted, rel=1e-13)
+
+
+# --- the engine as an object ----------------------------------------------------------------------
+
+
+def test_an_engine_travels_to_another_process():
+    assert pickle.loads(pickle.dumps(Multiprecision(30))) == Multiprecision(30)
+
+
+@pytest.mark.parametrize(
+    ("x", "text"),
+    [
+        (0.0, "0.0"),
+        (0.1, "0.10000"),
+        (-1e-30, "-1.0000e-30"),
+        (123456.0, "1.2346e+5"),
+        (12345.0, "12345"),
+    ],
+)
+def test_numbers_are_written_with_their_digits(x, text):
+    """The pattern of `Bounded` is checked as it is made."""
+    numbers = Multiprecision(5).numbers
+    assert numbers.report(numbers.exact(x)) == Bounded(value=text)

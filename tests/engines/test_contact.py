@@ -19,7 +19,6 @@ from longball.engines.event import BatSection
 from longball.engines.ivp import Ivp
 from longball.engines.path_engine import PathEngine
 from longball.engines.polynomial import PolynomialPiece
-from longball.model.law import law_of
 from longball.model.numbers import DOUBLES
 from longball.model.quantities import numbers
 from longball.model.scene import Air, AtBatScene, Pitch, Swing, parse_scene
@@ -122,85 +121,9 @@ def test_a_ball_released_next_to_the_bat_touches_almost_at_once(gap):
     assert touch.time == pytest.approx(gap / 10.0, abs=1e-17)
 
 
-def test_a_ball_thrown_at_walking_pace_past_the_bat():
-    """So slow that it falls as much as it flies while it passes: V² is less than 2 |d| |a|."""
-    pitch = {"release": [0.5, 0, 1.8], "speed": 1.5, "aim": [0, 2.2]}
-    for offset in (0.2, 0.1, 0.0, -0.1, -0.2):
-        scene = scene_of(pitch=pitch, swing={"height_offset": offset})
-        approach = approach_of(scene, ENGINE)
-        frame, bat = approach.pitch.frame, bat_of(approach)
-        law = law_of(scene, frame, DOUBLES)
-        # By brute force, every millisecond.
-        overlapping = []
-        for time in np.arange(1e-3, 1, 1e-3).tolist():
-            state = ENGINE.fly(law, approach.pitch.start, (), time).state
-            if state.z < 0 or frame.towards_x(state) < -bat.reach:
-                break
-            if bat.distance(state, DOUBLES) < bat.reach:
-                overlapping.append(time)
-        assert approach.touch.touched == bool(overlapping)
-        if overlapping:
-            assert overlapping[0] - 1e-3 <= approach.touch.time <= overlapping[0]
-
-
-def test_a_ball_that_falls_onto_the_bat_from_above():
-    """It comes closer, touches, and never crosses behind the plate."""
-    scene = scene_of(
-        pitch={"release": [0.01, 0, 3.0], "speed": 0.02, "aim": [0, 3.0]},
-        swing={"height_offset": -1.0},
-        air=None,
-    )
-    approach = approach_of(scene, ENGINE)
-    assert approach.touch.touched
-    distance = bat_of(approach).distance(approach.touch.state, DOUBLES)
-    # It falls in one step: d² is 5 m² at its beginning, and 2 d dd two ulps of that at its end.
-    assert distance == pytest.approx(0.0696, abs=2 * math.ulp(5.0) / (2 * 0.0696))
-
-
-# Scenes, and by how much a number of the contact may be off: of its size, and of 1 at least.
+# Scenes of a bat and a ball so thin that doubles round to a part of them, and by how much a number
+# of the contact may be off: of its size, and of 1 at least.
 MEETINGS = {
-    # A lob that falls past below the bat, and comes 1.4 mm closer behind it.
-    "closest behind the bat": (
-        {
-            "pitch": {"speed": 14.76, "aim": [0.344, 24.2136]},
-            "swing": {"height_offset": -0.1642},
-            "air": {"drag_coefficient": 0.4033, "lift_coefficient": 0.158},
-        },
-        1e-11,
-    ),
-    # The closest approach may lie steps before any in which the ball could have touched.
-    **{
-        f"passes {offset} m from the bat": ({"swing": {"height_offset": offset}}, 1e-11)
-        for offset in (1.0, 10.0, -1.2)
-    },
-    # The ball falls away from a bat that is swung above it.
-    "closest at the release": (
-        {
-            "pitch": {"release": [0.08, 0, 1.8], "aim": [0, 1.2]},
-            "swing": {"height_offset": 1.0},
-        },
-        1e-13,
-    ),
-    # A ball of 9 mg sinks for a fifth of a second from the bat to the plate's plane.
-    "touches long before the plate": (
-        {
-            "ball": {"mass": 8.8e-06, "radius": 0.0167},
-            "reading": {"lift_direction": "always_up"},
-            "gravity": 105.3,
-            "air": {"density": 3.73, "drag_coefficient": 1.117, "lift_coefficient": 0.792},
-            "pitch": {"speed": 0.1145, "release": [0.361, -0.994, 3.9], "aim": [0.557, 0.324]},
-            "bat": {"radius": 0.0132},
-            "swing": {"height_offset": 0.0726},
-        },
-        1e-11,
-    ),
-    # It flies at 79° to the bat: where it touches, it is 0.3 m from the plate's plane.
-    "comes along the bat": ({"pitch": {"speed": 60.0, "release": [2.0, -10.0, 1.8]}}, 1e-13),
-    # The batch engine's search begins 0.25 m before the plate.
-    **{
-        f"starts {x} m away": ({"pitch": {"release": [x, 0, 1.8], "aim": [0, 1.8]}}, 1e-13)
-        for x in (0.24, 0.25, 0.26)
-    },
     # From there the square of a reach of 2e-8 m is below all roundings. A height of 1.8 m is known
     # to 2e-16 m, which is 1e-8 of the reach; some times over.
     "thin": (
@@ -228,7 +151,7 @@ MEETINGS = {
 
 
 @pytest.mark.parametrize("meeting", MEETINGS)
-def test_odd_meetings_are_those_that_are_proven(meeting):
+def test_thin_bats_are_met_as_is_proven(meeting):
     scene, error = MEETINGS[meeting]
     true = solve(scene_of(**scene), Enclosure(20))
     truths = {name: float(x) for name, x in numbers(true) if name.startswith("contact.")}
@@ -239,34 +162,6 @@ def test_odd_meetings_are_those_that_are_proven(meeting):
         assert known.keys() == truths.keys()
         for key, truth in truths.items():
             assert abs(known[key] - truth) <= error * max(1.0, abs(truth)), (name, key)
-
-
-@pytest.mark.parametrize("name", ["ivp", "batch", "enclosure", "multiprecision"])
-@pytest.mark.parametrize("top", [0.0, 2.0**-8, -(2.0**-8)])
-def test_a_lob_that_is_close_before_the_bat_and_behind_it(name, top):
-    """z = 6 - (x - top)², m, above a bat at z = 5.375 - top²: closest on either side of it."""
-    scene = scene_of(
-        air=None,
-        gravity=8.0,
-        ball={"radius": 0.125},
-        bat={"radius": 0.25},
-        pitch={"release": [2.0 + top, 0.0, 2.0], "velocity": [-2.0, 0.0, 8.0]},
-        swing={"height_offset": -0.625},
-    )
-    found = solve(scene, create(name))
-    path = np.polynomial.Polynomial([0.625, 2 * top, -1.0])  # above the bat, at x
-    squares = path**2 + np.polynomial.Polynomial([0.0, 0.0, 1.0])
-    turns = squares.deriv().roots()
-    nearest = math.sqrt(min(squares(x.real) for x in turns if abs(x.imag) < 1e-9))
-    assert found.outcome == "missed"
-    assert float(found.contact.margin) == pytest.approx(0.375 - nearest, abs=1e-13)
-
-
-def test_the_ground_may_end_the_search():
-    """A bat in the ground is never reached."""
-    touch = approach_of(scene_of(swing={"height_offset": -1.5}), ENGINE).touch
-    assert touch.touched is False
-    assert touch.margin < -0.1
 
 
 @dataclass(frozen=True)

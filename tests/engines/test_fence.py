@@ -1,4 +1,4 @@
-"""The fence: ways that end at it, dips beyond it, and turns within the error of a state.
+"""The fence: ways that end at it, and turns within the error of a state.
 
 Outcomes, corners and ties in every engine are in the golden data (`fence`).
 """
@@ -8,17 +8,15 @@ import math
 
 import numpy as np
 import pytest
-from flint import arb
 
 from longball.engines import create
 from longball.engines.batch import Batch
 from longball.engines.chain import solve, solve_with_path
-from longball.engines.event import ground
 from longball.engines.fence import at_stop, chords, first_crossing
 from longball.engines.ivp import Ivp
 from longball.engines.polynomial import PolynomialPiece
 from longball.model.frame import Frame
-from longball.model.law import PlaneState, SpaceState, law_with
+from longball.model.law import SpaceState
 from longball.model.numbers import DOUBLES
 from longball.model.scene import parse_scene
 
@@ -51,63 +49,6 @@ def test_the_way_of_a_ball_ends_at_the_wall_and_goes_on_over_the_fence():
         assert position == pytest.approx(result.fence.position, abs=1e-9)
 
 
-# --- curved flights -------------------------------------------------------------------------------
-
-
-@SMOOTH
-def test_dips_beyond_a_chord_in_space_are_found_or_declined(engine):
-    """y = w t - a t²/2 is most w²/(2 a), exactly, at t = w/a: a wall along the flight beside it."""
-    numbers = engine.numbers
-    rng = np.random.default_rng(9)
-    decided = total = 0
-    for _ in range(6):
-        push, across = (float(x) for x in rng.uniform([0.5, 2], [2, 8]))
-        top = arb(across) * arb(across) / (2 * arb(push))
-        for sign in (1, -1):
-            for depth in np.geomspace(1e-3, 1e-13, 6).tolist():
-                y = float(top - arb(sign * depth))
-                total += 1
-                beyond = top - arb(y)
-                with numbers.arithmetic():
-                    found = crossed(engine, push, across, y)
-                if found is None:
-                    assert abs(beyond) < 1e-11
-                    continue
-                decided += 1
-                assert found is bool(beyond > 0), (push, across, y)
-    assert total == 72
-    assert decided == total if engine is ENCLOSURE else decided > 50
-
-
-def crossed(engine, push, across, y):
-    """True if a flight that is pushed back in y crosses a wall at y; None if it is not told."""
-    numbers = engine.numbers
-    exact = numbers.exact
-    strengths = {"left": exact(push), "gravity": exact(9.8)}
-    law = law_with(strengths, (lambda motion, p: (0, -p.left, 0),))
-    start = law.state_of(PlaneState(exact(0.0), exact(1.0), exact(30.0), exact(40.0)))
-    start = start._replace(v=exact(across))
-    end = 1.2 * across / push
-    way = engine.fly(law, start, [ground(exact(-1e6), start, numbers)], exact(end)).path
-    # The wall is given in the flight's own frame: its left side, seen from a, is outside.
-    frame = Frame(exact(0.0), exact(0.0), exact(1.0), exact(0.0))
-    fence = parse_scene(
-        json.dumps(
-            {
-                "kind": "flight",
-                "launch": {"position": [0, 0, 1], "velocity": [1, 0, 1]},
-                "id": "x",
-                "fence": {"polyline": [[-400, y, 1], [900, y, 1]]},
-            }
-        )
-    ).fence
-    error = exact(engine.flight_error)
-    met = first_crossing(fence, frame, way.pieces(), exact(end), exact(0.0), error, numbers)
-    if met is None:
-        return False
-    return None if met.place.to_break == 0 else True
-
-
 # --- each part by itself --------------------------------------------------------------------------
 
 
@@ -125,28 +66,6 @@ HERE = Frame(0.0, 0.0, 1.0, 0.0)
 def over(piece, fence, error=1e-12, end=100.0):
     scene = flight((1.0, 0.0, 1.0), fence)
     return first_crossing(scene.fence, HERE, iter([piece]), end, 0.0, error, DOUBLES)
-
-
-@pytest.mark.parametrize("turned", [False, True])
-def test_the_first_of_two_chords_that_are_crossed_on_a_piece(turned):
-    """Out at x = 30, in again at x = 45 and out at x = 60, whichever the fence names first."""
-    fence = [[60, 50, 9], [60, -5, 9], [45, -5, 9], [45, 5, 1], [30, 5, 1], [30, -50, 1]]
-    if turned:
-        fence = [[x, -y, h] for x, y, h in fence[::-1]]
-    met = over(line(0.0, 0.0, 10.0, 0.0), fence)
-    assert met.time == pytest.approx(2.0 + 3.0)
-    assert met.place.height == 1.0
-
-
-@pytest.mark.parametrize("turned", [False, True])
-def test_the_first_of_two_walls_that_are_close_together(turned):
-    """Out at x = 30, in again at x = 30.3 and out at x = 30.6: also for a ball in a plane."""
-    fence = [[30.6, 50, 9], [30.6, -5, 9], [30.3, -5, 9], [30.3, 5, 9], [30, 5, 9], [30, -50, 9]]
-    if turned:
-        fence = [[x, -y, h] for x, y, h in fence[::-1]]
-    result = solve(flight((44.0, 0.0, 2.0), fence), Ivp())
-    assert result.outcome == "wall"
-    assert result.fence.position[:2] == pytest.approx((30.0, 0.0), abs=1e-12)
 
 
 @pytest.mark.parametrize(("x", "y"), [(0.0, 80.0), (-70.0, 9.0), (60.0, 20.0)])

@@ -15,7 +15,6 @@ from longball.engines.taylor import Taylor
 from longball.model.frame import Frame
 from longball.model.law import (
     PlaneState,
-    law_of,
     law_with,
 )
 from longball.model.numbers import DOUBLES
@@ -121,29 +120,6 @@ def test_a_root_exactly_at_the_end_of_a_step(surface):
     assert arrival.stop == surface
     assert arrival.time == pytest.approx(piece.begin, abs=TIME)
     assert arrival.state == pytest.approx(state, abs=LENGTH)
-
-
-@pytest.mark.parametrize("method", ["Taylor", "DOP853", "LSODA"])
-@pytest.mark.parametrize("limit", [3.0, 60.0])
-def test_a_pitch_that_lift_turns_round_just_beyond_the_plate(method, limit):
-    """Between two steps it crosses the plate there and back."""
-    scene = parse_scene(
-        '{"id": "turn", "kind": "pitch", "air": {"drag_coefficient": 0.1, "lift_coefficient": 1.5},'
-        '"pitch": {"speed": 40, "release": [45.14168982597962, 0, 30], "aim": [0, 30]}}'
-    )
-    engine = Ivp(method)
-    start = (0.0, 30.0, 40.0, 0.0)
-    found = fly(
-        start,
-        law_of(scene, ALONG_X, DOUBLES),
-        plate(45.14168982597962),
-        ground(),
-        engine=engine,
-        limit=limit,
-    )
-    assert found.stop == "plate"
-    # It crosses at 0.16 m/s, and so an error of its place is 280 times as large in its time.
-    assert found.time == pytest.approx(2.131360008, abs=1e-9)
 
 
 # ---- stiff, and beyond ---------------------------------------------------------------------------

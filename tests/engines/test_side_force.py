@@ -7,13 +7,11 @@ import re
 import numpy as np
 import pytest
 
-import longball as lb
 from longball.engines.batch import Batch, solve_columns
 from longball.engines.chain import solve
 from longball.engines.enclosure import Enclosure
 from longball.engines.ivp import Ivp
 from longball.engines.multiprecision import Multiprecision
-from longball.engines.tangent import derivatives_of
 from longball.engines.verlet import Verlet
 from longball.model.scene import FlightScene, InvalidScene, parse_scene
 
@@ -74,40 +72,6 @@ def test_a_vertical_launch_has_no_vertical_side_force(direction):
     assert solve(flight(0.0, direction, (0.0, 0.0, 20.0)), Ivp()).outcome == "landed"
 
 
-@pytest.mark.parametrize(
-    ("air", "more", "message"),
-    [
-        (
-            {"value": 0.1, "direction": [0, 0, 0]},
-            {},
-            "air.side_coefficient.direction: [0.0, 0.0, 0.0] has no direction",
-        ),
-        (
-            {"value": 0.1, "direction": [10, 0, -1]},
-            {"pitch": {"velocity": [-40, 0, 4]}},
-            "air.side_coefficient.direction = [10.0, 0.0, -1.0] is parallel to the velocity",
-        ),
-        (
-            {"value": 0.1, "direction": [1, 0, 0]},
-            {"pitch": {"velocity": [-40, 2, 4]}, "wind": [0, 2, 4]},
-            "is parallel to the velocity through the air at the start",
-        ),
-        (
-            {"value": 0.1, "direction": [0, 1, 0]},
-            {"reading": {"lift_direction": "always_up"}},
-            "cannot be combined with spin, wind, a table of the lift, or a side_coefficient",
-        ),
-    ],
-)
-def test_what_is_no_side_force_is_refused_in_a_sentence(air, more, message):
-    wind = {key: more[key] for key in more if key == "wind"}
-    rest = {key: more[key] for key in more if key != "wind"}
-    scene = {"kind": "pitch", "air": {"side_coefficient": air} | wind} | rest
-    with pytest.raises(InvalidScene) as refused:
-        parse_scene(json.dumps(scene))
-    assert message in str(refused.value)
-
-
 # --- columns, derivatives, at-bats ----------------------------------------------------------------
 
 
@@ -118,16 +82,6 @@ def test_columns_are_the_scenes_one_by_one():
         alone = landing(flight(value), Batch())
         assert [table[f"landing.position[{k}]"][i] for k in range(3)] == alone[:3].tolist()
     assert table["engine"][1] == Batch().description
-    told = lb.solve_many(
-        {
-            "kind": "pitch",
-            "air.side_coefficient.value": values,
-            "air.side_coefficient.direction": [0.0, 1.0, 0.0],
-        },
-        engine="batch",
-    )
-    assert told["outcome"].tolist() == ["crossed"] * 3
-    assert np.sign(told["plate.position[1]"]).tolist() == [0.0, 1.0, -1.0]
 
 
 def test_a_row_that_passes_its_direction_is_refused_alone():
@@ -137,20 +91,3 @@ def test_a_row_that_passes_its_direction_is_refused_alone():
     table = solve_columns(scene, columns)
     assert table["outcome"].tolist() == ["", "landed", "landed"]
     assert table["engine"].tolist()[1:] == [Batch().description, Ivp().description]
-
-
-@pytest.mark.nightly  # by day those of columns and of golden cases
-def test_derivatives_know_that_its_length_does_not_matter():
-    """Σ dᵢ ∂Q/∂dᵢ = 0, and ∂Q/∂C_S is that of a second solution."""
-    names = [f"air.side_coefficient.direction[{i}]" for i in range(3)]
-    value = "air.side_coefficient.value"
-    found = derivatives_of(flight(), ["landing.distance"], [*names, value], Enclosure(20))
-    slopes = [float(found["landing.distance"][name]) for name in names]
-    assert np.dot(slopes, ASIDE) == pytest.approx(0.0, abs=1e-13)
-    assert max(map(abs, slopes)) > 0.1
-    step = 2.0**-20
-    near = [landing(flight(0.08 + d), Enclosure(30)) for d in (step, -step)]
-    there, back = (math.hypot(*x[:2]) for x in near)
-    assert float(found["landing.distance"][value]) == pytest.approx(
-        (there - back) / (2 * step), rel=1e-7
-    )

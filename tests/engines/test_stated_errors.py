@@ -8,7 +8,7 @@ from __future__ import annotations
 import json
 from collections.abc import Iterator
 from dataclasses import replace
-from typing import Any
+from typing import Any, get_args
 
 import pytest
 from flint import arb
@@ -19,8 +19,19 @@ from longball.engines.enclosure import Balls, Enclosure
 from longball.engines.engine import Engine
 from longball.engines.ivp import Ivp
 from longball.model.numbers import Doubles
-from longball.model.scene import AtBatScene, Bat, PitchScene, Scene, Swing, parse_scene
-from longball.model.scene import Pitch as PitchBlock
+from longball.model.result import Outcome
+from longball.model.scene import (
+    Air,
+    AtBatScene,
+    Bat,
+    FlightScene,
+    Launch,
+    Pitch,
+    PitchScene,
+    Scene,
+    Swing,
+    parse_scene,
+)
 from tests.scenes import cases_of
 
 HALF_ULP, ERROR = 2.0**-53, Ivp().flight_error
@@ -143,7 +154,6 @@ def test_a_stated_error_holds_in_scenes_of_all_kinds() -> None:
 
 # --- ties, on either side of the stated error -----------------------------------------------------
 
-ENGINES = pytest.mark.parametrize("engine", [Ivp(), Batch()], ids=["ivp", "batch"])
 REACH = 0.0366 + 0.033
 
 
@@ -153,85 +163,115 @@ def level_pitch(x: float, offset: float) -> Scene:
         id="level",
         air=None,
         gravity=0.0,
-        pitch=PitchBlock(release=(x, 0.0, 1.8), aim=(0.0, 1.8)),
+        pitch=Pitch(release=(x, 0.0, 1.8), aim=(0.0, 1.8)),
         swing=Swing(height_offset=offset),
     )
 
 
-@ENGINES
-@pytest.mark.parametrize("side", [1.0, -1.0])
-@pytest.mark.parametrize("share", [-1.05, -0.95, 0.0, 0.95, 1.05])
-def test_a_graze_is_decided_beyond_the_error_of_its_margin(
-    engine: Engine, side: float, share: float
-) -> None:
-    """The margin is `share` of what `margin_error` says."""
-    error = 2 * REACH * ERROR + HALF_ULP * (8 * (1.8 + REACH) + 4 * 18.44 + 2 * REACH)
-    result = solve(level_pitch(18.44, side * (REACH - share * error)), engine)
-    if abs(share) < 1:
-        assert "whether the ball touches the bat cannot be decided" in str(result.error)
-    else:
-        assert result.error is None
-        assert (result.outcome == "missed") is (share < 0)
-    assert result.contact is not None
-    assert float(result.contact.margin) == pytest.approx(share * error, abs=4e-16)
+def line(x: float, z: float, height: float) -> Scene:
+    """A straight pitch from (x, z), m, to a height at the plate."""
+    pitch = Pitch(release=(x, 0.0, z), aim=(0.0, height))
+    return PitchScene(id="line", air=None, gravity=0.0, pitch=pitch)
 
 
-@ENGINES
-@pytest.mark.parametrize(
-    ("share", "said"),
-    [
-        (-1.05, "the ball starts inside the bat: "),
-        (-0.95, "whether the ball starts inside the bat or touches it cannot be decided"),
-        (0.0, ""),
-        (0.95, "whether the ball starts inside the bat or touches it cannot be decided"),
-        (1.05, ""),
-    ],
-)
-def test_a_release_next_to_the_bat_is_decided_beyond_the_error(
-    engine: Engine, share: float, said: str
-) -> None:
-    error = 2 * REACH * ERROR + HALF_ULP * (8 * 1.8 + 4 * REACH + 2 * REACH)
-    result = solve(level_pitch(REACH + share * error, 0.0), engine)
-    assert str(result.error or "").startswith(said)
-    assert (result.error is None) is (said == "")
-    if not said:
-        assert result.impact is not None
+def flight(z: float, u: float, w: float, limit: float = 60.0, **more: Any) -> Scene:
+    launch = Launch(position=(0.0, 0.0, z), velocity=(u, 0.0, w))
+    return FlightScene(id="tie", launch=launch, time_limit=limit, **{"air": None} | more)
 
 
-@ENGINES
-@pytest.mark.parametrize(
-    ("height", "outcome", "said"),
-    [
-        (-5e-14, "grounded", ""),  # 4.5e-13 m before the plate
-        (-3e-14, None, "the ball touches the ground before the ball reaches the plate"),
-        (0.0, None, "the ball touches the ground before the ball reaches the plate"),
-        (3.6e-14, None, "the ball reaches the plate before the ball touches the ground"),
-        (4.4e-14, "crossed", ""),
-    ],
-)
-def test_plate_and_ground_are_told_apart_beyond_the_error(
-    engine: Engine, height: float, outcome: str | None, said: str
-) -> None:
-    """A straight line from 2 m high and 18 m away: errors of 4e-14 m up, and of 3.6e-13 m along."""
-    pitch = PitchBlock(release=(18.0, 0.0, 2.0), aim=(0.0, height))
-    result = solve(PitchScene(id="line", air=None, gravity=0.0, pitch=pitch), engine)
-    assert result.outcome == outcome
-    assert said in str(result.error or "")
-
-
-@pytest.mark.parametrize(("share", "told"), [(0.2, False), (2.0, True)])
-def test_a_wind_aloft_is_reached_or_not_to_within_the_error_of_its_height(
-    share: float, told: bool
-) -> None:
+def aloft(share: float) -> Scene:
     """Without forces of the air, 40 m/s up reach 80 m above the start under 10 m/s²."""
-    wind = {"velocity": [5, 0, 0], "above": 100.0 * (1 + share * ERROR)}
-    line = {
-        "kind": "flight",
-        "launch": {"position": [0, 0, 20], "velocity": [10, 0, 40]},
-        "air": {"drag_coefficient": 0.0, "lift_coefficient": 0.0, "wind": wind},
-        "gravity": 10,
-    }
-    result = solve(parse_scene(json.dumps(line)), Ivp())
-    assert (result.error is None) is told
-    if not told:
-        assert "above which the wind blows" in str(result.error)
+    wind = {"velocity": (5.0, 0.0, 0.0), "above": 100.0 * (1 + share * ERROR)}
+    air = Air.model_validate({"drag_coefficient": 0.0, "lift_coefficient": 0.0, "wind": wind})
+    return flight(20.0, 10.0, 40.0, air=air, gravity=10.0)
+
+
+def sinking(share: float, sink: float) -> Scene:
+    """A ball that sinks slowly to the ground, about when its time is over.
+
+    Of its way of 200 m eight half ulps are kept in the height, which it sinks through in time.
+    Those of the place where its last step begins, which is not quite as far.
+    """
+    air, height = Air(lift_coefficient=0.0), 4 * sink
+    landing: Any = solve(flight(height, 60.0, -sink, air=air, gravity=0.0), Batch()).landing
+    kept = 8 * HALF_ULP * float(landing.position[0]) / abs(float(landing.velocity[2]))
+    limit = float(landing.time) + share * kept
+    return flight(height, 60.0, -sink, limit, air=air, gravity=0.0)
+
+
+MARGIN = 2 * REACH * ERROR + HALF_ULP * (8 * (1.8 + REACH) + 4 * 18.44 + 2 * REACH)
+CLOSE = 2 * REACH * ERROR + HALF_ULP * (8 * 1.8 + 4 * REACH + 2 * REACH)
+BAT, INSIDE = (
+    "whether the ball touches the bat",
+    "whether the ball starts inside the bat or touches it",
+)
+GROUND, LIMIT = "lies within its error 2e-14", "the ground in the time limit"
+ABOVE = "above which the wind blows"
+
+# A scene of a number, and what becomes of it for some numbers: an outcome, or a question that the
+# engine declines to decide.
+TIES: dict[str, tuple[Any, dict[float, str]]] = {
+    # The margin, in its stated errors.
+    **{
+        f"graze {side:+}": (
+            lambda share, side=side: level_pitch(18.44, side * (REACH - share * MARGIN)),
+            {-1.05: "missed", -0.95: BAT, 0.0: BAT, 0.95: BAT, 1.05: touched},
+        )
+        for side, touched in ((1, "separating"), (-1, "airborne"))
+    },
+    "release": (
+        lambda share: level_pitch(REACH + share * CLOSE, 0.0),
+        {-1.05: "starts inside the bat: ", -0.95: INSIDE, 0.0: "airborne", 0.95: INSIDE,
+         1.05: "airborne"},
+    ),
+    # From 2 m high and 18 m away: errors of 4e-14 m up, and of 3.6e-13 m along.
+    "plate or ground": (
+        lambda height: line(18.0, 2.0, height),
+        {-5e-14: "grounded",  # 4.5e-13 m before the plate
+         -3e-14: "the ball touches the ground before the ball reaches the plate",
+         0.0: "the ball touches the ground before the ball reaches the plate",
+         3.6e-14: "the ball reaches the plate before the ball touches the ground",
+         4.4e-14: "crossed"},
+    ),
+    # Level and without gravity; the error after 60 s is said to be 2e-14 m.
+    "glide": (
+        lambda height: flight(height, 30.0, 0.0, gravity=0.0),
+        {1e-17: GROUND, 1.9e-14: GROUND, 2.1e-14: "airborne"},
+    ),
+    # A parabola of 1 s, or of 4 s: errors of 2e-14 m, and of as large a part of the time limit.
+    **{
+        f"time limit, {rise} m/s": (
+            lambda later, rise=rise: flight(0.0, 3.0, rise, rise / 4.9 + later),
+            ends,
+        )
+        for rise, ends in (
+            (4.9, {-5e-15: "airborne",  # 2.5e-14 m above the ground
+                   -3e-15: LIMIT, 0.0: LIMIT, 1.9e-14: LIMIT, 2.1e-14: "landed"}),
+            (19.6, {-3e-15: "airborne", -1e-15: LIMIT, 7e-14: LIMIT, 9e-14: "landed"}),
+        )
+    },
+    **{
+        f"sinking at {sink} m/s": (
+            lambda share, sink=sink: sinking(share, sink),
+            {0.2: LIMIT, 1.5: "landed"},
+        )
+        for sink in (1e-3, 1e-4)
+    },
+    "aloft": (aloft, {0.2: ABOVE, 2.0: "landed"}),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("engine", [Ivp(), Batch()], ids=["ivp", "batch"])
+def test_a_tie_is_decided_beyond_the_stated_error(engine: Engine) -> None:
+    for tie, (scene, ends) in TIES.items():
+        for number, end in ends.items():
+            result = solve(scene(number), engine)
+            if end in get_args(Outcome):
+                assert result.outcome == end, (tie, number, result.error)
+            else:
+                assert result.outcome is None, (tie, number)
+                assert end in str(result.error), (tie, number)
+            if tie.startswith("graze"):
+                assert result.contact is not None
+                margin = number * MARGIN
+                assert float(result.contact.margin) == pytest.approx(margin, abs=4e-16), tie

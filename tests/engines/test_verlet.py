@@ -202,23 +202,6 @@ def test_of_two_stops_in_one_step_the_first_one_counts():
         assert verlet(0.5).fly(NOTHING, down, stops, 1.0).stop == expected
 
 
-# ---- laws of any kind ----------------------------------------------------------------------------
-
-
-def test_a_spring_makes_the_scheme_symplectic():
-    """The textbook's case: for a force of the position it keeps ``v² + ω² (1 - (ωΔt/2)²) r²``."""
-    there, dt = law(lambda motion, p: (0, 0, -4 * motion.position[2])), 0.05
-    start = PlaneState(0.0, 1.0, 0.0, 0.0)
-
-    def kept(state):
-        return state.w**2 + 4.0 * (1 - dt * dt) * state.z**2
-
-    for treatment in TREATMENTS:
-        end = after_steps(Verlet(dt, treatment), 2_000, start, there)
-        assert kept(end) == pytest.approx(kept(start), rel=1e-12)
-        assert abs(end.z) < 1 + 1e-12
-
-
 # ---- the contact ---------------------------------------------------------------------------------
 
 
@@ -446,6 +429,30 @@ def test_an_option_that_is_none_is_refused(option):
 
 
 # --- the extended model ---------------------------------------------------------------------------
+
+
+def test_the_apex_lies_between_two_steps():
+    """In a vacuum a step between two is off by g Δt²/8 at most."""
+    scene, dt = flight(air=None), 2.0**-10
+    found = solve(scene, Verlet(dt)).apex
+    time = 22.0 / G
+    assert found.time == pytest.approx(time, abs=G * dt**2)
+    at = (32.0 * time, 0.0, 1.0 + 22.0**2 / (2 * G))
+    assert found.position == pytest.approx(at, abs=16 * G * dt**2)
+
+
+def test_steps_that_push_the_ball_take_the_drag_of_its_speed():
+    """By a table that is 0.4 wherever the ball is, as by that number."""
+    table = {"law": "table", "of": "speed", "at": (1.0, 2.0), "values": (9.0, 0.4)}
+    number, tabled = (
+        solve(
+            AtBatScene(swing=Swing(height_offset=-0.03), air={"drag_coefficient": drag}),
+            Verlet(1e-4),
+        ).landing
+        for drag in (0.4, table)
+    )
+    # Roundings: 0.4 is the end of a line.
+    assert tabled.position == pytest.approx(number.position, abs=1e-9)
 
 
 @pytest.mark.parametrize("drag", [0.35, TABLE], ids=["one form", "table"])

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+from contextlib import nullcontext
 from itertools import product
 from typing import Any
 
@@ -85,10 +86,26 @@ def air(**blocks: Any) -> Any:
     return scene(air=blocks)
 
 
+def aside(direction: list[float], wind: Any = None, reading: Any = None, **pitch: Any) -> Any:
+    air = {"side_coefficient": {"value": 0.1, "direction": direction}, "wind": wind}
+    return scene("pitch", air=air, pitch=pitch, reading=reading or {})
+
+
 WRONG = r"""
 rough(friction=0.5, tangential_restitution=1.0000001) -> tangential_restitution
 rough(friction=0.5, tangential_restitution=-1.0000001) -> tangential_restitution
-rough(tangential_restitution=1.0) -> tangential_restitution needs friction
+rough(tangential_restitution=1.0) -> bat: tangential_restitution needs friction
+aside([0, 0, 0]) -> side_coefficient.direction: \[0.0, 0.0, 0.0\] has no direction
+aside([10, 0, -1], velocity=[-40, 0, 4])
+    -> air.side_coefficient.direction = \[10.0, 0.0, -1.0\] is parallel to the velocity
+aside([1, 0, 0], wind=[0, 2, 4], velocity=[-40, 2, 4])
+    -> is parallel to the velocity through the air at the start
+aside([0, 1, 0], reading={"lift_direction": "always_up"})
+    -> cannot be combined with spin, wind, a table of the lift, or a side_coefficient
+rough(friction=0) -> bat.friction
+rough(support="held") -> bat.support
+scene("at-bat", bat={"support": "free"}, reading={"effective_mass": "as_printed"})
+    -> bat.support = free has no
 table([1], [1]) -> at least 2
 table([*range(101)], [0.3] * 101) -> at most 100
 table([1, 2, 3], [1, 2]) -> at has 3 nodes and values has 2 numbers
@@ -119,29 +136,21 @@ def test_numbers_up_to_their_limits_are_taken_and_others_refused() -> None:
         )
 
 
-@pytest.mark.parametrize(
-    ("drag", "lift", "needs"),
-    [
-        (0.4, 0.2, ""),
-        ({"law": "constant", "value": 0.4}, {"law": "constant", "value": 0.2}, ""),
-        ({"law": "spin"}, 0.2, "air.drag_coefficient"),
-        ({"law": "crisis"}, 0.2, ""),
-        ({"law": "crisis", "per_spin": 1e-4}, 0.2, "air.drag_coefficient"),
-        (0.4, {"law": "rational"}, "air.lift_coefficient"),
-        (0.4, {"law": "linear"}, "air.lift_coefficient"),
-        (0.4, {"law": "bilinear"}, "air.lift_coefficient"),
-        (TABLE | {"at": [1, 2], "values": [1, 1]}, 0.2, ""),
-    ],
-)
-def test_which_coefficients_mean_nothing_without_a_spin(drag: Any, lift: Any, needs: str) -> None:
-    air = {"drag_coefficient": drag, "lift_coefficient": lift}
-    spun = scene(air=air, launch=LAUNCH | {"spin": [1.0, 2.0, 0.0]})
-    assert spun.air.needs_spin == needs
-    if needs:
-        with pytest.raises(InvalidScene, match=f"{needs} needs a spin"):
-            scene(air=air)
-    else:
-        scene(air=air)
+def test_some_coefficients_mean_nothing_without_a_spin() -> None:
+    at_speed = TABLE | {"at": [1, 2], "values": [1, 1]}
+    for key, law, needs in (
+        ("drag_coefficient", {"law": "spin"}, True),
+        ("drag_coefficient", {"law": "crisis", "per_spin": 1e-4}, True),
+        *(("lift_coefficient", {"law": law}, True) for law in ("rational", "linear", "bilinear")),
+        *(("drag_coefficient", law, False) for law in ({"law": "crisis"}, at_speed)),
+        *((key, law, False) for key in ("drag_coefficient", "lift_coefficient")
+          for law in (0.2, {"law": "constant", "value": 0.2})),
+    ):  # fmt: skip
+        name = f"air.{key}" if needs else ""
+        spun = scene(air={key: law}, launch=LAUNCH | {"spin": [1.0, 2.0, 0.0]})
+        assert spun.air.needs_spin == name, law
+        with pytest.raises(InvalidScene, match=f"{name} needs a spin") if needs else nullcontext():
+            scene(air={key: law})
 
 
 # --- places ---------------------------------------------------------------------------------------

@@ -10,7 +10,7 @@ KNOWN = {"speed", "angle"}.__contains__
 
 
 def read(text: str) -> tuple[list[str], list[tuple[int, list[str]]]]:
-    head, rows = read_rows(text.encode(), KNOWN)
+    head, rows = read_rows(text.encode("latin-1"), KNOWN)
     return head, [*rows]
 
 
@@ -26,7 +26,10 @@ def test_the_head_is_the_row_with_the_most_known_names():
     ("text", "message"),
     [
         ("", "the table is empty"),
-        ("a;b\n1;2\n", "its head has semicolons where commas must separate the cells"),
+        ("a;b\n1;2\n", "not a table in CSV; its head has semicolons where commas must separate"),
+        ("a\tb\n1\t2\n", "its head has tabs where commas must separate the cells"),
+        ("speed,angle\n1,\xe9", "not UTF-8 text: byte 15 is 0xe9"),
+        ("PK\x03\x04\xe9", "not text but a spreadsheet or a zip archive"),
         ("speed,speed\n", "the column speed appears twice"),
         ("speed\n1\n1,2\n", "line 3: 2 cells, but the head has 1"),
     ],

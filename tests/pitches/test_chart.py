@@ -9,6 +9,7 @@ import pytest
 from longball.pitches import EXAMPLE, Columns, PitchTypes, TableError, read_pitches
 from longball.pitches.chart import cell
 from longball.pitches.table import LENGTH_UNITS
+from tests.calls import check_wrong_calls
 
 STATCAST = "pitch_type,release_speed,plate_x,plate_z,sz_top,sz_bot\n"
 
@@ -92,40 +93,34 @@ def test_rows_that_lack_something_are_named_under_the_first_thing():
     assert pitches.rows_read == 7
 
 
-WRONG_TABLES = {
-    "no such columns": (
-        statcast("FF,90", header="pitch_type,speed\n"),
-        "release_speed, plate_x, plate_z, sz_top, sz_bot: the table has no such columns; "
-        "its columns are pitch_type, speed",
-    ),
-    "unknown type": (
-        statcast(*GOOD, "NA,90,0,2,3,1", "XY,90,0,2,3,1"),
-        "pitch_type: row 4 below the header has 'XY', which is named neither as straight, "
-        "nor as breaking, nor to be left out",
-    ),
-    "one class": (
-        statcast("SL,90,0,2,3,1", "CU,80,0,2,3,1"),
-        "pitch_type: no straight ball among the types of pitch here: CU, SL",
-    ),
-    "other class": (
-        statcast("FF,90,0,2,3,1"),
-        "pitch_type: no breaking ball among the types of pitch here: FF",
-    ),
-    "nothing left": (
-        statcast("FF,,0,2,3,1", ",90,0,2,3,1"),
-        "no row of the table can be used "
-        "(1 rows: pitch_type is missing; 1 rows: release_speed is missing)",
-    ),
-    "header only": (statcast(), "table: the table has a header, and nothing below it"),
-}  # fmt: skip
+def read(*lines, header=STATCAST, **columns):
+    return read_pitches(statcast(*lines, header=header), Columns(**columns))
 
 
-@pytest.mark.parametrize("fault", WRONG_TABLES)
-def test_wrong_tables(fault):
-    table, sentence = WRONG_TABLES[fault]
-    with pytest.raises(TableError) as caught:
-        read_pitches(table)
-    assert str(caught.value) == sentence
+def cells(index):
+    return read(f"FF,90,{index},2,3,1", f"SL,90,{index},2,3,1", place_unit="cell")
+
+
+WRONG = r"""
+read("FF,90", header="pitch_type,speed\n")
+    -> ^release_speed, plate_x, plate_z, sz_top, sz_bot: the table has no such columns; its columns
+read(*GOOD, "NA,90,0,2,3,1", "XY,90,0,2,3,1")
+    -> ^pitch_type: row 4 below the header has 'XY', which is named neither as straight, nor as
+read("SL,90,0,2,3,1", "CU,80,0,2,3,1")
+    -> ^pitch_type: no straight ball among the types of pitch here: CU, SL$
+read("FF,90,0,2,3,1") -> ^pitch_type: no breaking ball among the types of pitch here: FF$
+read("FF,,0,2,3,1", ",90,0,2,3,1")
+    -> ^no row .* \(1 rows: pitch_type is missing; 1 rows: release_speed is missing\)$
+read() -> ^table: the table has a header, and nothing below it$
+cells(0) -> plate_x is none of the cells 1 to 5
+cells(6) -> plate_x is none of the cells 1 to 5
+cells(2.5) -> plate_x is none of the cells 1 to 5
+PitchTypes(straight=("FF", "SI")) -> SI: a type of pitch can be in one class only
+"""
+
+
+def test_what_cannot_be_read_says_why():
+    check_wrong_calls(WRONG, globals())
 
 
 @pytest.mark.parametrize(
@@ -144,18 +139,6 @@ def test_a_row_that_cannot_be_used_is_left_out_with_the_reason(row, reason):
     missing, odd = sorted(pitches.left_out, key=lambda each: each.first_rows)
     assert missing.first_rows == (1,)
     assert (odd.reason, odd.count, odd.first_rows) == (reason, 2, (4, 5))
-
-
-@pytest.mark.parametrize("index", [0, 6, 2.5])
-def test_a_cell_is_one_of_five(index):
-    table = statcast(*(f"{kind},90,{index},2,3,1" for kind in ("FF", "SL")))
-    with pytest.raises(TableError, match="plate_x is none of the cells 1 to 5"):
-        read_pitches(table, Columns(place_unit="cell"))
-
-
-def test_a_type_is_in_one_class():
-    with pytest.raises(ValueError, match="SI: a type of pitch can be in one class only"):
-        PitchTypes(straight=("FF", "SI"))
 
 
 def test_pitchers_throw_away_from_the_batter():

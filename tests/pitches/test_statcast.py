@@ -10,6 +10,7 @@ import pytest
 from longball.pitches import EXAMPLE, TableError
 from longball.pitches.models import regression_spin
 from longball.pitches.statcast import read_measured
+from tests.calls import check_wrong_calls
 
 PITCH = {
     "game_pk": 717798, "pitch_type": "FF", "p_throws": "R", "release_spin_rate": 2400,
@@ -257,42 +258,25 @@ def test_the_day_that_is_shipped():
     assert 1.7e-3 < np.sqrt(np.mean(np.sum(off**2, axis=1))) < 2e-3
 
 
-WRONG = {
-    "odd side": (
-        table(BATTED | {"stand": "S"}, BATTED | {"stand": ""}),
-        "stand: row 1 below the header has 'S', which is neither R nor L",
-    ),
-    "not a number": (
-        table(BATTED | {"launch_speed": "fast"}),
-        "launch_speed: row 1 below the header has 'fast', which is not a number",
-    ),
-}  # fmt: skip
+def played(*games):
+    lines = ["game_pk,temperature,park", *games]
+    return read_measured(table(BATTED), "batted", io.StringIO("\n".join(lines) + "\n"))
 
 
-@pytest.mark.parametrize("fault", WRONG)
-def test_wrong_tables(fault):
-    source, sentence = WRONG[fault]
-    with pytest.raises(TableError) as caught:
-        read_measured(source, "batted")
-    assert str(caught.value) == sentence
+WRONG = r"""
+read_measured(table(BATTED | {"stand": "S"}, BATTED | {"stand": ""}), "batted")
+    -> ^stand: row 1 below the header has 'S', which is neither R nor L$
+flies(launch_speed="fast")
+    -> ^launch_speed: row 1 below the header has 'fast', which is not a number$
+played("1,warm,Fenway Park") -> temperature: row 1 below the header has 'warm'
+played("1,,Fenway Park") -> a game has no game_pk or no temperature
+played("1,50,") -> a game has no park
+played("1,50,Fenway")
+    -> 'Fenway' is not known; give it in a column elevation, in ft, did you mean Fenway Park
+played("1,50,Fenway Park", "1.0,60,Coors Field") -> game_pk: row 2 below the header has 1, which
+played("1,10,Fenway Park") -> temperature: the median is 10, and in °F it would lie between
+"""
 
 
-@pytest.mark.parametrize(
-    ("games", "sentence"),
-    [
-        ("1,warm,Fenway Park", "temperature: row 1 below the header has 'warm'"),
-        ("1,,Fenway Park", "a game has no game_pk or no temperature"),
-        ("1,50,", "a game has no park"),
-        (
-            "1,50,Fenway",
-            "the elevation of 'Fenway' is not known; give it in a column elevation, in ft, did you "
-            "mean Fenway Park",
-        ),
-        ("1,50,Fenway Park\n1.0,60,Coors Field", "game_pk: row 2 below the header has 1, which"),
-        ("1,10,Fenway Park", "temperature: the median is 10, and in °F it would lie between"),
-    ],
-)
-def test_wrong_games(games, sentence):
-    source = io.StringIO(f"game_pk,temperature,park\n{games}\n")
-    with pytest.raises(TableError, match=sentence):
-        read_measured(table(BATTED), "batted", source)
+def test_what_cannot_be_read_says_why():
+    check_wrong_calls(WRONG, globals())

@@ -10,8 +10,8 @@ last the printer that writes the return statements of :mod:`longball.model.impac
     python -m longball.model.derivation            # write them
     python -m longball.model.derivation --check    # fail if they would change
 
-The laws of the impulse are tested in ``tests/model/test_impact.py``, of bodies that rub in
-``tests/model/test_derivation.py``.
+The laws of the impulse are tested in ``tests/model/test_impact.py``, of bodies that rub by golden
+data.
 """
 
 from __future__ import annotations
