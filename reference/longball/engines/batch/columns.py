@@ -8,10 +8,10 @@ reason. It also solves what columns leave: see `Table.alone`.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from copy import copy
 from dataclasses import dataclass, field, replace
-from typing import Any, NamedTuple, Protocol, Self, cast, get_args
+from typing import Any, Protocol, Self, cast, get_args
 
 import numpy as np
 from numpy.typing import NDArray
@@ -254,13 +254,6 @@ def _where(numbers: Any, flags: Any, yes: Start, no: Start) -> Start:
     return Start(numbers.where(flags, yes.time, no.time), type(no.state)(*state))
 
 
-class Flown(NamedTuple):
-    """Arrivals, and derivatives of their states, (times, variables, inputs, rows), if wanted."""
-
-    ends: Records
-    rates: Any = None
-
-
 @dataclass
 class Columns(Run):
     """The run of a chain over the rows of a table."""
@@ -296,11 +289,11 @@ class Columns(Run):
         # the scalar engine rejects.
         size: Any = sum(event.size for event in events)
         alone = rows & ~np.isfinite(getattr(size, "value", size))
-        flown = self._flown(law, launch, events, limit, rows & ~alone)
-        stops = records.stops(flown.ends, events)
+        ends = self._flown(law, launch, events, limit, rows & ~alone)
+        stops = records.stops(ends, events)
         self.leave(alone | (rows & (stops == Stop.FALLBACK)))
-        end = self._arrived(flown, law, events, limit, rows)
-        return self.flights(law, stops, end, launch, self._noted(flown, law, "mark_"))
+        end = self._arrived(ends, law, events, limit, rows)
+        return self.flights(law, stops, end, launch, self._noted(ends, law, "mark_"))
 
     def flights(self, law: Law, stops: Any, end: Start, launch: Start, mark: Start) -> Flights:
         """Return flights by their ends."""
@@ -314,47 +307,35 @@ class Columns(Run):
         limit: Any,
         rows: Flags,
         bat: Bat | None = None,
-    ) -> Flown:
-        """Fly the rows of a mask."""
-        fly = self.engine.fly_all
-        return Flown(self._flown_by(fly, law, start, events, limit, rows, bat))
-
-    def _flown_by(
-        self,
-        fly: Callable[[Records, Program], Records],
-        law: Law,
-        start: Start,
-        events: Events,
-        limit: Any,
-        rows: Flags,
-        bat: Bat | None,
+        changes: Sequence[Array] = (),  # of `records.records_of`
     ) -> Records:
         """Fly the rows of a mask; return arrivals of all rows, or a single one for all."""
+        program = records.in_lanes(law).program
         # If no number of the flight differs between rows, it is flown once.
         if rows.any():
             error = self.engine.flight_error
-            starts = records.records_of(law, start, events, limit, error, bat, rows)
-            flown = fly(starts, records.in_lanes(law).program)
+            begun = records.records_of(law, start, events, limit, error, bat, rows, changes)
+            flown: Records = self.engine.fly_all(begun, program)
             if flown.ndim == 0 or rows.all():
                 return flown
         # the others stay where they start
-        program = records.general(law).program
-        ends = np.zeros(len(rows), flights.arrival_dtype(program))
-        ends["stop"], ends["mark_time"] = NOT_FLOWN, np.nan
+        inputs = len(changes[0]) if changes else 0
+        ends = np.zeros(len(rows), flights.arrival_dtype(program, inputs))
+        ends["stop"], ends["mark_time"], ends["rates"] = NOT_FLOWN, np.nan, np.nan
         for name in program.variables:
             ends[name] = getattr(start.state, name)
         if rows.any():
             ends[rows] = flown
         return ends
 
-    def _noted(self, flown: Flown, law: Law, prefix: str = "") -> Start:
+    def _noted(self, ends: Records, law: Law, prefix: str = "") -> Start:
         """Return time and state that arrivals hold under names with a prefix."""
-        return records.noted(flown.ends, law, prefix)
+        return records.noted(ends, law, prefix)
 
-    def _arrived(self, flown: Flown, law: Law, events: Events, limit: Any, rows: Flags) -> Start:
+    def _arrived(self, ends: Records, law: Law, events: Events, limit: Any, rows: Flags) -> Start:
         """Return when and where flights ended, those that an event stopped being put onto it."""
-        time, state = records.noted(flown.ends, law)
-        return Start(time, records.placed(flown.ends["stop"], state, events, self.numbers))
+        time, state = records.noted(ends, law)
+        return Start(time, records.placed(ends["stop"], state, events, self.numbers))
 
     def touch(self, pitch: Any, law: Law, bat: BatSection, events: Events, rows: Flags) -> Touch:
         """See `Run`."""
@@ -366,22 +347,22 @@ class Columns(Run):
         far = records.APPROACH * abs(bat.frame.cos)
         clear = (bat.reach < far) & (abs(bat.height - pitch.state.z) < far)
         start = _where(numbers, clear, pitch.mark, pitch.launch)
-        flown = self._flown(law, start, over, self.time_limit, rows, Bat(bat, error))
+        ends = self._flown(law, start, over, self.time_limit, rows, Bat(bat, error))
 
         # 1 for a contact, 0 for a miss, -1 if undecided
-        stops = records.stops(flown.ends, over)
+        stops = records.stops(ends, over)
         self.leave(rows & (stops == Stop.FALLBACK))
         touched = stops == Stop.TOUCH
         missed = np.isin(stops, [records.STOPS[name] for name in ("past", "ground", "time")])
-        margin = np.where(touched | missed, flown.ends["margin"], np.nan)[()]
+        margin = np.where(touched | missed, ends["margin"], np.nan)[()]
         code: Any = np.where(touched, 1, np.where(missed, 0, -1))[()]
-        return self._touched_at(flown, law, bat, Touch(margin, code), rows)
+        return self._touched_at(ends, law, bat, Touch(margin, code), rows)
 
     def _touched_at(
-        self, flown: Flown, law: Law, bat: BatSection, touch: Touch, rows: Flags
+        self, ends: Records, law: Law, bat: BatSection, touch: Touch, rows: Flags
     ) -> Touch:
         """Return contacts with their times and states."""
-        time, state = records.noted(flown.ends, law)
+        time, state = records.noted(ends, law)
         return replace(touch, time=time, state=state)
 
     def leave(self, rows: Flags) -> bool:

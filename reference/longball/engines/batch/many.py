@@ -110,16 +110,10 @@ class Batch(ManyAtOnce):
 
     def fly_all(self, starts: Records, program: Program) -> Records:
         """Fly records of `flights.flight_dtype`; return their arrivals, in order."""
-        return self.fly_all_with_tangents(starts, program, None)[0]
-
-    def fly_all_with_tangents(
-        self, starts: Records, program: Program, changes: Array | None
-    ) -> tuple[Records, Array]:
-        """Fly records with derivatives; see `flights.fly_all`."""
         # Flights past a bat take a hundredth of a second: a lower order is enough for one step.
         near_bat = starts.size > 0 and starts["reach"].item(0) > 0.0
         order = max(8, 2 * self.order // 5) if near_bat else self.order
-        return flights.fly_all(program, starts, order, self.truncation, changes)
+        return flights.fly_all(program, starts, order, self.truncation)
 
 
 # --- columns --------------------------------------------------------------------------------------

@@ -7,24 +7,21 @@ left to `longball.engines.tangent`.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any, ClassVar, Self
 
 import numpy as np
 
-from longball.engines.batch import flights, records
+from longball.engines.batch import records
 from longball.engines.batch.columns import (
     NUMBERS,
     Columns,
     Flights,
-    Flown,
     Table,
 )
-from longball.engines.batch.flights import Stop
+from longball.engines.batch.flights import Records, Stop
 from longball.engines.batch.records import Bat, Start
-from longball.engines.batch.tangents import TIMES
 from longball.engines.engine import Touch
 from longball.engines.event import BatSection, Event, Events
 from longball.engines.path import Path
@@ -34,7 +31,6 @@ from longball.model.inputs import TRACKED, launched, tracks_of
 from longball.model.law import Law
 from longball.model.quantities import number
 from longball.model.scene import FlightScene, Scene
-from longball.model.trace import Program
 
 # --- jets of columns ------------------------------------------------------------------------------
 
@@ -251,7 +247,6 @@ class SlopeColumns(Columns):
 
     table: SlopeTable = field(kw_only=True)
     jets: ColumnJets = field(kw_only=True)
-    engine: Any  # `longball.engines.batch.Batch`
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -286,40 +281,29 @@ class SlopeColumns(Columns):
         limit: Any,
         rows: Flags,
         bat: Bat | None = None,
-    ) -> Flown:
+        changes: Sequence[Array] = (),
+    ) -> Records:
         """Fly the rows of a mask, with derivatives at fixed times; see `Columns._flown`."""
         # The lanes fly plain numbers, by the same records as without derivatives: same bits.
         plain, state = _plain_law(law), start.state
         still = Start(plain_of(start.time), type(state)(*map(plain_of, state)))
         known = [_plain_event(event) for event in events]
         met = None if bat is None else Bat(_plain_section(bat.section), plain_of(bat.error))
-        rates = np.full((TIMES, len(plain.variables), self.table.inputs, len(rows)), math.nan)
+        # dp/dx of (1) in `tangents`, and ξ where the flight starts
+        strengths = records.in_lanes(law).strengths
+        sources = [*map(strengths.get, records.in_lanes(plain).program.parameters), *state]
+        shape = self.table.inputs, len(rows)
+        rates = [np.broadcast_to(rate_of(x), shape) for x in sources]
+        return super()._flown(plain, still, known, plain_of(limit), rows, met, rates)
 
-        def fly(begun: Any, program: Program) -> Any:
-            # dp/dx of (1) in `tangents`, and ξ where the flight starts
-            strengths = records.in_lanes(law).strengths
-            sources = [*state, *(strengths[name] for name in program.parameters)]
-            changes = np.empty((len(sources), self.table.inputs, begun.size))
-            flown: Any = slice(begun.size) if begun.ndim == 0 or rows.all() else rows
-            for change, x in zip(changes, sources, strict=True):
-                rate = np.broadcast_to(rate_of(x), (self.table.inputs, len(rows)))
-                change[...] = rate[:, flown]
-            ends, some = self.engine.fly_all_with_tangents(begun, program, changes)
-            rates[..., rows if flown is rows else slice(None)] = some
-            return ends
-
-        ends = self._flown_by(fly, plain, still, known, plain_of(limit), rows, met)
-        return Flown(ends, rates)
-
-    def _noted(self, flown: Flown, law: Law, prefix: str = "") -> Start:
+    def _noted(self, ends: Records, law: Law, prefix: str = "") -> Start:
         """See `Columns`; the times are fixed."""
-        time, state = records.noted(flown.ends, law, prefix)
-        rates = flown.rates[flights.PREFIXES.index(prefix)]
-        return Start(time, type(state)(*map(ColumnJet, state, rates)))
+        time, state = records.noted(ends, law, prefix)
+        return Start(time, type(state)(*map(ColumnJet, state, records.rates_of(ends, prefix))))
 
-    def _arrived(self, flown: Flown, law: Law, events: Events, limit: Any, rows: Flags) -> Start:
+    def _arrived(self, ends: Records, law: Law, events: Events, limit: Any, rows: Flags) -> Start:
         """See `Columns`; an event, a zero of g, moves by ``dt/dx = -(∂g/∂x)/ġ``."""
-        plain, stop, end = _plain_law(law), flown.ends["stop"], self._noted(flown, law)
+        plain, stop, end = _plain_law(law), ends["stop"], self._noted(ends, law)
         speeds = plain.rates(NUMBERS)(*map(plain_of, end.state))
         late: Any = np.where(stop == Stop.TIME_LIMIT, rate_of(limit), 0.0)
         for i, event in enumerate(events):
@@ -333,8 +317,8 @@ class SlopeColumns(Columns):
         time, moved = _later(end.time, end.state, speeds, late)
 
         # A flight that ends at its start continues after the least change: that is a corner.
-        starts = (stop != Stop.TIME_LIMIT) & (flown.ends["time"] == 0.0)
-        self.jets.doubt(rows & (starts | (flown.ends["steps"] > _MOST_STEPS)))
+        starts = (stop != Stop.TIME_LIMIT) & (ends["time"] == 0.0)
+        self.jets.doubt(rows & (starts | (ends["steps"] > _MOST_STEPS)))
         return Start(time, records.placed(stop, moved, events, self.jets))
 
     def _require_steep(self, falls: Any, across: Any, change: Any, rows: Flags) -> None:
@@ -343,18 +327,18 @@ class SlopeColumns(Columns):
         self.jets.doubt(rows & ~steep & np.any(change != 0, axis=0))
 
     def _touched_at(
-        self, flown: Flown, law: Law, bat: BatSection, touch: Touch, rows: Flags
+        self, ends: Records, law: Law, bat: BatSection, touch: Touch, rows: Flags
     ) -> Touch:
         """See `Columns`."""
         code: Any = touch.touched
         # where the margin is taken: to first order, it does not change with the time of that
-        distance = bat.distance(self._noted(flown, law, "nearest_").state, self.jets)
+        distance = bat.distance(self._noted(ends, law, "nearest_").state, self.jets)
         margin = ColumnJet(touch.margin, rate_of(bat.reach - distance))
         self.jets.doubt(rows & (plain_of(distance) <= ON_THE_AXIS * plain_of(bat.reach)))
 
         # the touching, where half the square of the distance falls at the rate d·v
-        time, touching = records.noted(flown.ends, law)
-        marked = self._noted(flown, law, "mark_").state
+        time, touching = records.noted(ends, law)
+        marked = self._noted(ends, law, "mark_").state
         state = type(touching)(*map(ColumnJet, touching, map(rate_of, marked)))
         falls = _plain_section(bat).approach(touching)
         change = 0.5 * rate_of(bat.outside(state))
