@@ -9,12 +9,10 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from copy import copy
 from dataclasses import dataclass, field, replace
-from typing import Any, Protocol, Self, cast, get_args
+from typing import Any, Protocol, cast, get_args
 
 import numpy as np
-from numpy.typing import NDArray
 
 from longball.engines.batch import flights, records
 from longball.engines.batch.flights import Records, Stop
@@ -23,7 +21,7 @@ from longball.engines.chain import Run
 from longball.engines.engine import Touch
 from longball.engines.event import BatSection, Events, margin_error, past
 from longball.engines.path import Flight, Path
-from longball.model.arrays import Array, Flags, Integers
+from longball.model.arrays import Array, Flags
 from longball.model.law import Law, State
 from longball.model.numbers import DOUBLES, ratio
 from longball.model.result import Outcome
@@ -118,36 +116,23 @@ _LAST = {
 class Table:
     """Results, one row for each scene: columns with the names of quantities; NaN if absent.
 
-    `part` returns a view of some rows, which writes into this table.
+    The last axis of a column is that of the rows.
     """
 
     def __init__(self, rows: int) -> None:
-        self.rows = slice(0, rows)
-        self.whole = np.full(rows, UNSOLVED, np.int64)
+        self.outcome = np.full(rows, UNSOLVED)  # indices of OUTCOMES
         self.alone = np.zeros(rows, bool)  # rows that the scalar chain must solve
         self.columns: dict[str, Array] = {}
 
     def __len__(self) -> int:
-        return self.rows.stop - self.rows.start
-
-    @property
-    def outcome(self) -> Integers:
-        """Outcomes, as indices of OUTCOMES."""
-        return self.whole[self.rows]
-
-    def part(self, rows: slice) -> Self:
-        """Return the table of a range of rows."""
-        part = copy(self)
-        part.rows = rows
-        return part
+        return len(self.outcome)
 
     def column(self, name: str, values: Any) -> Array:
         """Return the column of a quantity; create it for values of this type."""
-        # `setdefault` is atomic: several threads may create the same column.
         if name not in self.columns:
-            text = np.asarray(values).dtype.kind == "U"
-            empty = np.full(len(self.whole), *(("", "U16") if text else (np.nan, float)))
-            self.columns.setdefault(name, empty)
+            known = np.asarray(values)
+            absent, kind = ("", "U16") if known.dtype.kind == "U" else (np.nan, float)
+            self.columns[name] = np.full((*known.shape[:-1], len(self)), absent, kind)
         return self.columns[name]
 
     def put(self, name: str, rows: Flags, values: Any) -> None:
@@ -156,41 +141,37 @@ class Table:
             for i, value in enumerate(values):
                 self.put(f"{name}[{i}]", rows, value)
         elif rows.any():
-            np.copyto(self.column(name, values)[self.rows], values, where=rows)
+            np.copyto(self.column(name, values), values, where=rows)
 
     def write(self, i: int, answer: Mapping[str, Any]) -> None:
         """Write the outcome and the quantities of a row, by name."""
-        place = self.rows.start + i
         for name, value in answer.items():
             if name == "outcome":
-                self.whole[place] = OUTCOMES.index(value)
+                self.outcome[i] = OUTCOMES.index(value)
             else:
-                self.column(name, value)[place] = value
+                self.column(name, value)[i] = value
 
     def withdraw_what_is_not_finite(self) -> None:
         """Remove the answer of every row with an overflow."""
         overflown = np.zeros(len(self), bool)
         for column in self.columns.values():
             if column.dtype == float:
-                overflown |= np.isinf(column[self.rows])
+                overflown |= np.isinf(column)
         for outcome, quantity in _LAST.items():
             if quantity in self.columns:
                 reached = self.outcome == OUTCOMES.index(outcome)
-                overflown |= reached & np.isnan(self.columns[quantity][self.rows])
+                overflown |= reached & np.isnan(self.columns[quantity])
         self.outcome[overflown] = UNSOLVED
 
-    def in_order(self, places: Integers) -> Self:
-        """Return the table with its rows at other indices."""
 
-        def placed(column: NDArray[Any]) -> NDArray[Any]:
-            moved = np.empty_like(column)
-            moved[places] = column
-            return moved
-
-        table = copy(self)
-        table.whole, table.alone = placed(self.whole), placed(self.alone)
-        table.columns = {name: placed(column) for name, column in self.columns.items()}
-        return table
+def joined(tables: Sequence[Table], places: Sequence[Any]) -> Table:
+    """Return one table with the rows of each of several at their places in it."""
+    whole = Table(sum(map(len, tables)))
+    for table, rows in zip(tables, places, strict=True):
+        whole.outcome[rows], whole.alone[rows] = table.outcome, table.alone
+        for name, column in table.columns.items():
+            whole.column(name, column)[..., rows] = column
+    return whole
 
 
 # --- flights by records ---------------------------------------------------------------------------
@@ -367,7 +348,7 @@ class Columns(Run):
 
     def leave(self, rows: Flags) -> bool:
         """See `Run`."""
-        self.table.alone[self.table.rows] |= rows
+        self.table.alone |= rows
         return True
 
     def record(self, name: str, value: Any, rows: Flags) -> None:

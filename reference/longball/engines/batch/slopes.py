@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Any, ClassVar, Self
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -26,7 +26,7 @@ from longball.engines.engine import Touch
 from longball.engines.event import BatSection, Event, Events
 from longball.engines.path import Path
 from longball.engines.tangent import ON_THE_AXIS, Jet, Jets, is_steep, plain_of, rate_of
-from longball.model.arrays import Array, Flags, Integers
+from longball.model.arrays import Array, Flags
 from longball.model.inputs import TRACKED, launched, tracks_of
 from longball.model.law import Law
 from longball.model.quantities import number
@@ -140,44 +140,6 @@ def _quotient(change: Any, divisor: Any) -> Any:
     return np.where(change == 0, 0.0, change / divisor)
 
 
-# --- tables ---------------------------------------------------------------------------------------
-
-
-class SlopeTable(Table):
-    """Results and their derivatives: of each quantity by each input, shape (inputs, rows)."""
-
-    def __init__(self, rows: int, inputs: int) -> None:
-        super().__init__(rows)
-        self.inputs = inputs
-        self.slopes: dict[str, Array] = {}
-        self.doubtful = np.zeros(rows, bool)  # rows of which a derivative is to be found alone
-
-    def slopes_of(self, name: str) -> Array:
-        """Return the derivatives of a quantity in all rows of the whole table."""
-        if name not in self.slopes:
-            empty = np.full((self.inputs, len(self.whole)), np.nan)
-            self.slopes.setdefault(name, empty)  # another thread may have made it
-        return self.slopes[name]
-
-    def conclude_doubt(self, doubtful: Flags) -> None:
-        """Mark the rows that are left to be solved alone; also those without a derivative."""
-        doubtful = doubtful | (self.outcome < 0)
-        for name, slopes in [*self.slopes.items()]:  # another thread may add some
-            there = ~np.isnan(self.columns[name][self.rows])
-            doubtful |= there & ~np.isfinite(slopes[:, self.rows].sum(axis=0))
-        self.doubtful[self.rows] = doubtful
-
-    def in_order(self, places: Integers) -> Self:
-        """Return the table with its rows at other places."""
-        table = super().in_order(places)
-        table.doubtful = np.empty_like(self.doubtful)
-        table.doubtful[places] = self.doubtful
-        table.slopes = {name: np.empty_like(slopes) for name, slopes in self.slopes.items()}
-        for name, slopes in self.slopes.items():
-            table.slopes[name][:, places] = slopes
-        return table
-
-
 # --- inputs ---------------------------------------------------------------------------------------
 
 
@@ -245,12 +207,13 @@ def _later(time: Any, state: Any, speeds: Sequence[Any], late: Any) -> Start:
 class SlopeColumns(Columns):
     """The run of a chain over the rows of a table, in jets."""
 
-    table: SlopeTable = field(kw_only=True)
-    jets: ColumnJets = field(kw_only=True)
+    inputs: int = field(kw_only=True)  # that derivatives are taken by
+    slopes: Table = field(init=False)  # columns of shape (inputs, rows); `alone` is for them
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        self.numbers = self.jets
+        self.slopes = Table(len(self.table))
+        self.numbers = self.jets = ColumnJets(NUMBERS, self.slopes.alone)
 
     def decide(self, x: Any, error: Any, question: str, rows: Flags) -> tuple[Flags, Flags]:
         """See `Columns`."""
@@ -264,9 +227,19 @@ class SlopeColumns(Columns):
                 self.record(f"{name}[{i}]", x, rows)
             return
         super().record(name, plain_of(value), rows)
-        if isinstance(value, Jet) and rows.any():
-            slopes = self.table.slopes_of(name)[:, self.table.rows]
-            np.copyto(slopes, rate_of(value), where=rows)
+        if isinstance(value, Jet):
+            self.slopes.put(name, rows, self.rates(value))
+
+    def rates(self, x: Any) -> Array:
+        """Return derivatives in the shape of a column of slopes."""
+        return np.broadcast_to(rate_of(x), (self.inputs, len(self.table)))
+
+    def conclude_doubt(self) -> None:
+        """Leave the rows without an answer, or without a derivative, to be solved alone."""
+        self.jets.doubt(self.table.outcome < 0)
+        for name, slopes in self.slopes.columns.items():
+            there = ~np.isnan(self.table.columns[name])
+            self.jets.doubt(there & ~np.isfinite(slopes.sum(axis=0)))
 
     def flights(self, law: Law, stops: Any, end: Start, launch: Start, mark: Start) -> JetFlights:
         """See `Columns`."""
@@ -292,8 +265,7 @@ class SlopeColumns(Columns):
         # dp/dx of (1) in `tangents`, and ξ where the flight starts
         strengths = records.in_lanes(law).strengths
         sources = [*map(strengths.get, records.in_lanes(plain).program.parameters), *state]
-        shape = self.table.inputs, len(rows)
-        rates = [np.broadcast_to(rate_of(x), shape) for x in sources]
+        rates = [*map(self.rates, sources)]
         return super()._flown(plain, still, known, plain_of(limit), rows, met, rates)
 
     def _noted(self, ends: Records, law: Law, prefix: str = "") -> Start:
