@@ -50,6 +50,10 @@ NO_LIMIT = 1e300  # s, of a step
 LONGER = 3.0
 
 
+# An exponent of a drag crisis shows in the last terms up to twice the order less this.
+CRISIS_SHOWS = 10
+
+
 class Layout:
     """Positions of the blocks of an expansion, after the rows of the recurrence."""
 
@@ -284,6 +288,7 @@ class _Step(Writer):
         A third one bounds the last term of these roots, which are speeds. Where the air hardly
         pushes the ball, the series of the velocity nearly ends and theirs does not; the path along
         which spin decays and derivatives by the forces depend on them.
+        A fourth one is that of `longball.engines.reach.reach_of_crisis`.
 
         The length is NaN where no ordinary step is possible. On a vertical flight only one of the
         squares does not vanish, and the root has a corner where that falls to zero. Near rest the
@@ -328,6 +333,13 @@ class _Step(Writer):
             term = self.root(allowed / size, before)
             length = (longer * term < length).select(term, length)
             length = (limit < length).select(limit, length)
+        # the crises of drag: a series shows nothing of one that is far
+        near = self.spread(self.order * 2 - CRISIS_SHOWS)
+        for exponent in self.recurrence.crises:
+            room = (self.call("fabs", self.zeroth[exponent]) - near) * 0.5
+            rate, bend = (self.call("fabs", self.at(exponent, k)) for k in (1, 2))
+            for limit in (room / rate, self.call("sqrt", room / bend)):
+                length = ((room > 1.0) & (limit < length)).select(limit, length)
         # the law: not where it ends
         for guard in self.program.outputs[len(self.variables) :]:
             ordinary = ordinary & (self.zeroth[guard] > 0.0)
