@@ -33,10 +33,11 @@ from longball.model.arrays import Array
 from longball.model.trace import Node, Program, squares, variable
 
 # Rows of the block `step`, after those of the state at the end of the step: its length, s, NaN if
-# no ordinary step is possible; 1 if no event is possible within the step, else -1; a bound on the
-# change of each position. Then Kahan's compensation of each position at the beginning and at the
-# end of the step.
-LENGTH, CLEARANCE, RANGES = range(3)
+# no ordinary step is possible; the time of its beginning, s; Kahan's compensation of that time, s;
+# 1 if no event is possible within the step, else -1; the largest coordinate of the flight at any
+# step; a bound on the change of each position. Then the compensation of each position at the
+# beginning and at the end of the step.
+LENGTH, TIME, TIME_COMPENSATION, CLEARANCE, FARTHEST, RANGES = range(6)
 
 # Sums that one loop carries, of sixteen doubles each. With more, registers are spilled. AVX-512 has
 # 32 of eight doubles: for spin, wind and drag crisis in space, one loop for all took 1.5 times as
@@ -60,7 +61,7 @@ class Layout:
     def __init__(self, program: Program) -> None:
         self.program = program
         self.parameters = len(recurrence(program).rows)  # a row each
-        self.step = self.parameters + 1  # the state at the step's end, then LENGTH and so on
+        self.step = self.parameters + 1  # the state at the step's end, then LENGTH, TIME and so on
         self.inverse = self.parameters + 2  # 1/k in row k
 
     def allocate(self, order: int) -> Array:

@@ -25,7 +25,16 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from longball.engines.batch.expansion import CLEARANCE, LENGTH, RANGES, Layout, step
+from longball.engines.batch.expansion import (
+    CLEARANCE,
+    FARTHEST,
+    LENGTH,
+    RANGES,
+    TIME,
+    TIME_COMPENSATION,
+    Layout,
+    step,
+)
 from longball.engines.batch.jit import call, fma, inner, shifted, unowned_views
 from longball.engines.batch.roots import (
     NEVER,
@@ -110,8 +119,6 @@ def arrival_dtype(program: Program, inputs: int = 0) -> np.dtype[Any]:
             ("stop", np.int64),  # the number of the event, or a `Stop`
             ("steps", np.int64),  # how many were taken
             ("margin", np.float64),  # of the bat, m
-            ("farthest", np.float64),  # m, the largest coordinate at the beginning of any step
-            ("late", np.float64),  # s, what rounding took from the time
             # time, s, and state
             *((f"{prefix}{name}", np.float64) for prefix in PREFIXES for name in names),
             # Derivatives of these states, each at a fixed time, by the inputs of the flight
@@ -124,7 +131,7 @@ def arrival_dtype(program: Program, inputs: int = 0) -> np.dtype[Any]:
 PREFIXES = ("", "mark_", "nearest_")
 
 # Columns of arrivals.
-_STOP, _STEPS, _MARGIN, _FARTHEST, _LATE, _END = range(6)
+_STOP, _STEPS, _MARGIN, _END = range(4)
 
 
 def new_flights(program: Program, shape: tuple[int, ...], events: int, inputs: int) -> Records:
@@ -184,9 +191,11 @@ def fly_all(
             tangent_size=rows.size,
             active=np.full(WIDTH, _NONE),
             flying=np.full(WIDTH, _NONE),
-            total=len(starts),
+        ),
+        _Records(
             flight_size=starts.itemsize // 8,
             arrival_size=arrivals.itemsize // 8,
+            total=len(starts),
             flights=starts.view(np.float64),
             arrivals=arrivals.view(np.float64),
             statuses=arrivals.view(np.int64),
@@ -205,7 +214,7 @@ _NONE = -1  # number of the flight in a lane that has none
 
 
 class _Workspace(NamedTuple):
-    """Records of all flights, and the memory of the lanes."""
+    """Sizes and work arrays that all lanes share."""
 
     # half, variables, parameters, functions, inputs: numbers of positions, variables, parameters;
     # of the sampling plane and the events; and of the inputs that derivatives are taken by
@@ -245,17 +254,21 @@ class _Workspace(NamedTuple):
     # Numbers of the flights in the lanes now, and in the step
     active: Any
     flying: Any
-    # total, flight_size, arrival_size: how many flights there are, and doubles of their records
-    total: int
+
+
+_SCRATCH = 6  # rows of a workspace after those of the state, from `p` to `state`
+
+
+class _Records(NamedTuple):
+    """Records of all flights: their sizes in doubles, and how many there are."""
+
     flight_size: int
     arrival_size: int
+    total: int
     # flights, arrivals, as doubles; statuses: the latter as integers
     flights: Any
     arrivals: Any
     statuses: Any
-
-
-_SCRATCH = 6  # rows of a workspace after those of the state, from `p` to `state`
 
 
 class _Slot(NamedTuple):
@@ -268,20 +281,28 @@ class _Slot(NamedTuple):
 
 
 @compiled
-def _fly_all(step_code: int, tangents_code: int, truncation: float, workspace: _Workspace) -> None:
+def _fly_all(
+    step_code: int, tangents_code: int, truncation: float, s: _Workspace, records: _Records
+) -> None:
     """Fill free lanes, step all lanes, locate events lane by lane, and advance, to the last end."""
-    s = unowned_views(workspace)
-    active, flying, variables = s.active, s.flying, s.variables
+    s, records = unowned_views(s), unowned_views(records)
+    x, step, active, flying, variables = s.x, s.step, s.active, s.flying, s.variables
     block = s.rows * WIDTH
+    time_row, length_row = (variables + TIME) * WIDTH, (variables + LENGTH) * WIDTH
+    compensation_row, farthest_row = (
+        (variables + TIME_COMPENSATION) * WIDTH,
+        (variables + FARTHEST) * WIDTH,
+    )
+    clearance_row = (variables + CLEARANCE) * WIDTH
     climb = 2 * s.half - 1  # w
     next_one = 0
     while True:
         # free lanes take the next flights
         busy = 0
         for lane in range(WIDTH):
-            if active[lane] == _NONE and next_one < s.total:
+            if active[lane] == _NONE and next_one < records.total:
+                _launch(s, _slot(records, next_one, lane))
                 active[lane] = next_one
-                _launch(s, _slot(s, lane))
                 next_one += 1
             flying[lane] = active[lane]
             busy += active[lane] != _NONE
@@ -289,65 +310,64 @@ def _fly_all(step_code: int, tangents_code: int, truncation: float, workspace: _
             return
 
         # one step of all lanes
-        call(step_code, (s.x, s.linear, s.order, s.rows, s.functions, truncation))
+        call(step_code, (x, s.linear, s.order, s.rows, s.functions, truncation))
         if s.inputs > 0:
             for k in range(variables):  # where the step begins; lanes move on before their tangents
                 for lane in range(WIDTH):
-                    s.times[(TIMES + k) * WIDTH + lane] = s.x[k * block + lane]
+                    s.times[(TIMES + k) * WIDTH + lane] = x[k * block + lane]
         for lane in range(WIDTH):
             for k in range(TIMES):
                 s.times[k * WIDTH + lane] = math.nan
-            if active[lane] == _NONE:
+            i = active[lane]
+            if i == _NONE:
                 continue
 
             # bookkeeping of a lane
-            slot, x, step = _slot(s, lane), shifted(s.x, lane), shifted(s.step, lane)
-            flight, arrival, status, _ = slot
-            time, length = arrival[_END], step[(variables + LENGTH) * WIDTH]
-            status[_STEPS] += 1
-            if not length > 0.0 or status[_STEPS] >= _MOST_STEPS:
-                status[_STOP], active[lane] = Stop.FALLBACK, _NONE
+            slot = _slot(records, i, lane)
+            time, length = step[time_row + lane], step[length_row + lane]
+            slot.status[_STEPS] += 1
+            if not length > 0.0 or slot.status[_STEPS] >= _MOST_STEPS:
+                slot.status[_STOP], active[lane] = Stop.FALLBACK, _NONE
                 continue
             # The mark is the apex only where neither a bat nor a sampling plane takes it.
-            rises = x[climb * block] > 0.0
-            rises = rises and flight[_REACH] == 0.0 and math.isnan(flight[_BEYOND])
-            farthest = arrival[_FARTHEST]
+            rises = x[climb * block + lane] > 0.0
+            rises = rises and slot.flight[_REACH] == 0.0 and math.isnan(slot.flight[_BEYOND])
             for k in range(s.half):
-                if abs(x[k * block]) > farthest:
-                    farthest = abs(x[k * block])
-            arrival[_FARTHEST] = farthest
+                coordinate = abs(x[k * block + lane])
+                if coordinate > step[farthest_row + lane]:
+                    step[farthest_row + lane] = coordinate
 
             # The bound `CLEARANCE` proves most steps free of events; others are searched.
             if (
-                step[(variables + CLEARANCE) * WIDTH] > 0.0
-                and time + length < flight[_LIMIT]
-                and flight[_REACH] == 0.0
+                step[clearance_row + lane] > 0.0
+                and time + length < slot.flight[_LIMIT]
+                and slot.flight[_REACH] == 0.0
             ):
-                if rises and step[climb * WIDTH] <= 0.0:
+                if rises and step[climb * WIDTH + lane] <= 0.0:
                     _load_step(s, lane)
                     _note_apex(s, slot, time, length)
                 s.times[lane] = length
                 for k in range(variables):
-                    x[k * block] = step[k * WIDTH]
+                    x[k * block + lane] = step[k * WIDTH + lane]
             else:
                 _load_step(s, lane)
                 length = _locate_first_event(s, slot, time, length)
-                if status[_STOP] != Stop.FALLBACK and rises and s.state[climb] <= 0.0:
+                if slot.status[_STOP] != Stop.FALLBACK and rises and s.state[climb] <= 0.0:
                     _note_apex(s, slot, time, length)
                 s.times[lane] = length
-                if status[_STOP] >= 0:
+                if slot.status[_STOP] >= 0:
                     active[lane] = _NONE
                     continue
                 for k in range(variables):
-                    x[k * block] = s.state[k]
+                    x[k * block + lane] = s.state[k]
 
             # What rounding takes from positions and time is made up for at the next step: Kahan's
             # compensated sum.
             for k in range(s.half):
                 s.compensation[k * WIDTH + lane] = s.compensation[(s.half + k) * WIDTH + lane]
-            passed = arrival[_LATE] + length
-            arrival[_END] = time + passed
-            arrival[_LATE] = passed - (time + passed - time)
+            passed = step[compensation_row + lane] + length
+            step[time_row + lane] = time + passed
+            step[compensation_row + lane] = passed - (time + passed - time)
 
         # derivatives over the step
         if s.inputs > 0:
@@ -358,21 +378,19 @@ def _fly_all(step_code: int, tangents_code: int, truncation: float, workspace: _
                 for lane in range(WIDTH):
                     if not math.isnan(s.times[k * WIDTH + lane]):
                         wanted = k + 1.0
-            call(tangents_code, (s.x, s.times, s.order, s.rows, s.inputs, wanted))
+            call(tangents_code, (x, s.times, s.order, s.rows, s.inputs, wanted))
             for lane in range(WIDTH):
                 if flying[lane] != _NONE:
-                    _keep_tangents(s, _slot(s, lane))
+                    _keep_tangents(s, _slot(records, flying[lane], lane))
 
 
 @inner
-def _slot(s: _Workspace, lane: int) -> _Slot:
-    """Return the flight that is, or was, in a lane in this step."""
-    number = s.flying[lane] if s.active[lane] == _NONE else s.active[lane]
-    end = number * s.arrival_size
+def _slot(records: _Records, number: Integer, lane: int) -> _Slot:
+    end = number * records.arrival_size
     return _Slot(
-        shifted(s.flights, number * s.flight_size),
-        shifted(s.arrivals, end),
-        shifted(s.statuses, end),
+        shifted(records.flights, number * records.flight_size),
+        shifted(records.arrivals, end),
+        shifted(records.statuses, end),
         lane,
     )
 
@@ -399,8 +417,10 @@ def _launch(s: _Workspace, slot: _Slot) -> None:
     marked = shifted(arrival, _END + 1 + s.variables)
     status[_STOP], status[_STEPS] = Stop.FLYING, 0
     arrival[_MARGIN] = -math.inf
-    arrival[_FARTHEST] = arrival[_LATE] = 0.0
     arrival[_END] = marked[0] = flight[_TIME]
+    s.step[(s.variables + TIME) * WIDTH + lane] = flight[_TIME]
+    s.step[(s.variables + TIME_COMPENSATION) * WIDTH + lane] = 0.0
+    s.step[(s.variables + FARTHEST) * WIDTH + lane] = 0.0
     for k in range(s.half):
         s.compensation[k * WIDTH + lane] = 0.0
     # state and strengths: a row of the lanes for each number
@@ -626,13 +646,13 @@ _SOON = 1e-9
 
 
 @inner
-def _rounding(s: _Workspace, number: Integer, slot: _Slot) -> float:
+def _rounding(s: _Workspace, number: Integer, lane: int) -> float:
     """Return the rounding error of a linear function's value, from those of the coordinates."""
-    function = shifted(s.linear, number * (s.variables + 2) * WIDTH + slot.lane)
+    function = shifted(s.linear, number * (s.variables + 2) * WIDTH + lane)
     total = 0.0
     for k in range(s.half):
         total += abs(function[k * WIDTH])
-    return float(_ROUNDING * total * slot.arrival[_FARTHEST])
+    return float(_ROUNDING * total * s.step[(s.variables + FARTHEST) * WIDTH + lane])
 
 
 @inner
@@ -641,7 +661,7 @@ def _is_close_call(s: _Workspace, slot: _Slot, stop: int) -> bool:
     flight, arrival, _, lane = slot
     for number in range(1, s.functions):
         error = s.linear[((number + 1) * (s.variables + 2) - 1) * WIDTH + lane]
-        error = max(error, _rounding(s, number, slot))
+        error = max(error, _rounding(s, number, lane))
         if number - 1 != stop and abs(_event_value(s, number, lane, s.state)) <= error:
             return True
     if stop == Stop.TIME_LIMIT:
@@ -652,7 +672,7 @@ def _is_close_call(s: _Workspace, slot: _Slot, stop: int) -> bool:
     rate = 0.0
     for k in range(s.half):
         rate += function[k * WIDTH] * s.state[s.half + k]
-    soon = left <= _SOON * flight[_LIMIT] and left * abs(rate) < _rounding(s, stop + 1, slot)
+    soon = left <= _SOON * flight[_LIMIT] and left * abs(rate) < _rounding(s, stop + 1, lane)
     return bool(left <= late or soon)
 
 
