@@ -1,10 +1,16 @@
-"""The time for which a series is accurate: series whose coefficients are known in closed form."""
+"""The time for which a series is accurate: series with known coefficients, and narrow crises."""
 
 import math
 
 import pytest
 
-from longball.engines.reach import reach_of_root, reach_of_terms
+from longball.engines.batch import Batch
+from longball.engines.chain import solve
+from longball.engines.enclosure import Enclosure
+from longball.engines.ivp import Ivp
+from longball.engines.reach import reach_of_crisis, reach_of_root, reach_of_terms
+from longball.model.air import Air, CrisisDrag
+from longball.model.scene import FlightScene, Launch
 
 ORDER, RTOL = 12, 1e-16
 ULPS = 8 * 2.0**-52  # roundings of a power and a root
@@ -77,3 +83,32 @@ def test_half_the_distance_to_the_zeros_of_a_square(rows, parts, distance):
         min(5.0, distance / 2), rel=ULPS, abs=0.0
     )
     assert reach_of_root(0.25, rows, 0, parts) == 0.25
+
+
+# --- drag crises ----------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("sign", [-1.0, 1.0])
+def test_a_far_exponent_gets_half_of_the_way_in_each_of_its_terms(sign):
+    order = 20
+    near = 2 * order - 10  # 30
+    assert reach_of_crisis(9.0, [[sign * (near + 8), -sign * 2.0, 0.0]], 0, order) == 2.0  # 4 of 8
+    assert reach_of_crisis(9.0, [[sign * (near + 8), 0.0, sign * 4.0]], 0, order) == 1.0
+    assert reach_of_crisis(9.0, [[sign * (near + 8), 1e-9, 1e-9]], 0, order) == 9.0  # long enough
+    assert reach_of_crisis(9.0, [[sign * (near + 1), 100.0, 100.0]], 0, order) == 9.0  # it shows
+
+
+@pytest.mark.parametrize("width", [0.2, 0.05])
+@pytest.mark.parametrize("velocity", [(40.0, 0.0, 20.0), (0.1, 0.0, 0.0)])
+def test_no_step_jumps_over_a_narrow_drag_crisis(width, velocity):
+    """The ball starts far above the crisis, or far below; all terms of it are tiny there."""
+    scene = FlightScene(
+        id="crisis",
+        launch=Launch(position=(0.0, 0.0, 90.0), velocity=velocity),
+        air=Air(drag_coefficient=CrisisDrag(law="crisis", width=width, speed=25.0)),
+    )
+    proven = float(solve(scene, Enclosure(15)).landing.distance.value)
+    for engine in (Ivp(), Batch(), Batch(1e-6)):
+        # A tolerance is for flights of 200 m.
+        off = getattr(engine, "tolerance", 0.0)
+        assert solve(scene, engine).landing.distance == pytest.approx(proven, rel=1e-12, abs=off)

@@ -78,3 +78,23 @@ def reach_of_root(reach: float, x: Any, root: int, parts: tuple[int, ...] | None
             square += x[i][1] * x[i][1]
         curvature = min(curvature, square)
     return min(reach, 0.5 * size / sqrt(curvature)) if curvature != 0.0 else reach
+
+
+# A drag crisis of width δ is a step of ``1/(1 + e^x)`` with ``x = (U - U_c)/δ``. Far from it, all
+# terms up to the order N are smaller than those of drag, while the terms beyond N are not: the
+# series would jump over the crisis. The last term of e^-x at ``|x| = 2 N - 10`` is about
+# ``(0.7 t/t_0)^N``, where t_0 is the time at which x is 0: from there on it limits the step.
+
+
+def reach_of_crisis(reach: float, x: Any, exponent: int, order: int) -> float:
+    """Return a reach, s, shortened so that a far exponent stays larger than ``2 N - 10``.
+
+    The row of the exponent. Its first two terms get half of the way each.
+    """
+    room = 0.5 * (abs(x[exponent][0]) - (2.0 * order - 10.0))
+    rate, bend = abs(x[exponent][1]), abs(x[exponent][2])
+    if room > 1.0 and rate > 0.0:
+        reach = min(reach, room / rate)
+    if room > 1.0 and bend > 0.0:
+        reach = min(reach, sqrt(room / bend))
+    return reach

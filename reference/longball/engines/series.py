@@ -23,7 +23,7 @@ from dataclasses import dataclass
 from functools import cache, cached_property
 from typing import Any
 
-from longball.model.trace import Names, Node, Program, run_source, squares, variable
+from longball.model.trace import ZERO, Names, Node, Program, run_source, squares, variable
 
 # A row of coefficients for each variable, and for each value that a sum over orders needs.
 Rows = list[MutableSequence[Any]]
@@ -90,6 +90,14 @@ class Recurrence:
     def roots(self) -> tuple[Node, ...]:
         """The sizes of vectors, ``√(x x + y y + …)``: zero at rest."""
         return tuple(n for n in self.program.nodes if n.kind == "sqrt" and squares(n.args[0]))
+
+    @cached_property
+    def crises(self) -> tuple[Node, ...]:
+        """The exponents x of divisors ``1 + e^x``: a series does not show them where x is large."""
+        divisors = (node.args[1] for node in self.program.nodes if node.kind == "quotient")
+        sums = [x.args for x in divisors if x.kind == "sum" and x.args[0] is not ZERO]
+        powers = [x.args[0] for _, *terms in sums for _, x in terms if x.kind == "exp"]
+        return tuple(dict.fromkeys(powers))
 
     @cache  # noqa: B019  (recurrences are few, and kept anyway)
     def source(self, at_rest: bool = False) -> str:

@@ -243,7 +243,7 @@ _ENOUGH = 2_000
 
 # Names in printed code.
 _TAKEN = re.compile(
-    "[hjkmnx]|[crsy][0-9]+|exp|expand|log|min|order|range|rtol|sqrt|reach_of_(terms|root)"
+    "[hjkmnx]|[crsy][0-9]+|exp|expand|log|min|order|range|rtol|sqrt|reach_of_(crisis|root|terms)"
 )
 
 
@@ -268,6 +268,11 @@ def _printed(program: Program, at_rest: bool) -> Code:
         parts = tuple(series.rows.index(row_of(p)) for p in squares(root.args[0]) if not p.static)
         moving = f"if x[{i}][0] != 0.0: " if at_rest else ""
         lines.append(f"    {moving}h = reach_of_root(h, x, {i}, {parts or None})")
+    for exponent in series.crises:
+        # The row of x + constant would be that of x.
+        if row_of(exponent) is exponent:
+            i = series.rows.index(exponent)
+            lines.append(f"    h = reach_of_crisis(h, x, {i}, order)")
     steps = Path(reach.__file__).read_text("utf-8")
     imports = "from math import exp, log\n\n"
     return Code(

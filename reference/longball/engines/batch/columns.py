@@ -8,13 +8,11 @@ reason. It also solves what columns leave: see `Table.alone`.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
-from copy import copy
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Any, NamedTuple, Protocol, Self, cast, get_args
+from typing import Any, Protocol, cast, get_args
 
 import numpy as np
-from numpy.typing import NDArray
 
 from longball.engines.batch import flights, records
 from longball.engines.batch.flights import Records, Stop
@@ -23,7 +21,7 @@ from longball.engines.chain import Run
 from longball.engines.engine import Touch
 from longball.engines.event import BatSection, Events, margin_error, past
 from longball.engines.path import Flight, Path
-from longball.model.arrays import Array, Flags, Integers
+from longball.model.arrays import Array, Flags
 from longball.model.law import Law, State
 from longball.model.numbers import DOUBLES, ratio
 from longball.model.result import Outcome
@@ -118,36 +116,23 @@ _LAST = {
 class Table:
     """Results, one row for each scene: columns with the names of quantities; NaN if absent.
 
-    `part` returns a view of some rows, which writes into this table.
+    The last axis of a column is that of the rows.
     """
 
     def __init__(self, rows: int) -> None:
-        self.rows = slice(0, rows)
-        self.whole = np.full(rows, UNSOLVED, np.int64)
+        self.outcome = np.full(rows, UNSOLVED)  # indices of OUTCOMES
         self.alone = np.zeros(rows, bool)  # rows that the scalar chain must solve
         self.columns: dict[str, Array] = {}
 
     def __len__(self) -> int:
-        return self.rows.stop - self.rows.start
-
-    @property
-    def outcome(self) -> Integers:
-        """Outcomes, as indices of OUTCOMES."""
-        return self.whole[self.rows]
-
-    def part(self, rows: slice) -> Self:
-        """Return the table of a range of rows."""
-        part = copy(self)
-        part.rows = rows
-        return part
+        return len(self.outcome)
 
     def column(self, name: str, values: Any) -> Array:
         """Return the column of a quantity; create it for values of this type."""
-        # `setdefault` is atomic: several threads may create the same column.
         if name not in self.columns:
-            text = np.asarray(values).dtype.kind == "U"
-            empty = np.full(len(self.whole), *(("", "U16") if text else (np.nan, float)))
-            self.columns.setdefault(name, empty)
+            known = np.asarray(values)
+            absent, kind = ("", "U16") if known.dtype.kind == "U" else (np.nan, float)
+            self.columns[name] = np.full((*known.shape[:-1], len(self)), absent, kind)
         return self.columns[name]
 
     def put(self, name: str, rows: Flags, values: Any) -> None:
@@ -156,41 +141,37 @@ class Table:
             for i, value in enumerate(values):
                 self.put(f"{name}[{i}]", rows, value)
         elif rows.any():
-            np.copyto(self.column(name, values)[self.rows], values, where=rows)
+            np.copyto(self.column(name, values), values, where=rows)
 
     def write(self, i: int, answer: Mapping[str, Any]) -> None:
         """Write the outcome and the quantities of a row, by name."""
-        place = self.rows.start + i
         for name, value in answer.items():
             if name == "outcome":
-                self.whole[place] = OUTCOMES.index(value)
+                self.outcome[i] = OUTCOMES.index(value)
             else:
-                self.column(name, value)[place] = value
+                self.column(name, value)[i] = value
 
     def withdraw_what_is_not_finite(self) -> None:
         """Remove the answer of every row with an overflow."""
         overflown = np.zeros(len(self), bool)
         for column in self.columns.values():
             if column.dtype == float:
-                overflown |= np.isinf(column[self.rows])
+                overflown |= np.isinf(column)
         for outcome, quantity in _LAST.items():
             if quantity in self.columns:
                 reached = self.outcome == OUTCOMES.index(outcome)
-                overflown |= reached & np.isnan(self.columns[quantity][self.rows])
+                overflown |= reached & np.isnan(self.columns[quantity])
         self.outcome[overflown] = UNSOLVED
 
-    def in_order(self, places: Integers) -> Self:
-        """Return the table with its rows at other indices."""
 
-        def placed(column: NDArray[Any]) -> NDArray[Any]:
-            moved = np.empty_like(column)
-            moved[places] = column
-            return moved
-
-        table = copy(self)
-        table.whole, table.alone = placed(self.whole), placed(self.alone)
-        table.columns = {name: placed(column) for name, column in self.columns.items()}
-        return table
+def joined(tables: Sequence[Table], places: Sequence[Any]) -> Table:
+    """Return one table with the rows of each of several at their places in it."""
+    whole = Table(sum(map(len, tables)))
+    for table, rows in zip(tables, places, strict=True):
+        whole.outcome[rows], whole.alone[rows] = table.outcome, table.alone
+        for name, column in table.columns.items():
+            whole.column(name, column)[..., rows] = column
+    return whole
 
 
 # --- flights by records ---------------------------------------------------------------------------
@@ -254,13 +235,6 @@ def _where(numbers: Any, flags: Any, yes: Start, no: Start) -> Start:
     return Start(numbers.where(flags, yes.time, no.time), type(no.state)(*state))
 
 
-class Flown(NamedTuple):
-    """Arrivals, and derivatives of their states, (times, variables, inputs, rows), if wanted."""
-
-    ends: Records
-    rates: Any = None
-
-
 @dataclass
 class Columns(Run):
     """The run of a chain over the rows of a table."""
@@ -296,11 +270,11 @@ class Columns(Run):
         # the scalar engine rejects.
         size: Any = sum(event.size for event in events)
         alone = rows & ~np.isfinite(getattr(size, "value", size))
-        flown = self._flown(law, launch, events, limit, rows & ~alone)
-        stops = records.stops(flown.ends, events)
+        ends = self._flown(law, launch, events, limit, rows & ~alone)
+        stops = records.stops(ends, events)
         self.leave(alone | (rows & (stops == Stop.FALLBACK)))
-        end = self._arrived(flown, law, events, limit, rows)
-        return self.flights(law, stops, end, launch, self._noted(flown, law, "mark_"))
+        end = self._arrived(ends, law, events, limit, rows)
+        return self.flights(law, stops, end, launch, self._noted(ends, law, "mark_"))
 
     def flights(self, law: Law, stops: Any, end: Start, launch: Start, mark: Start) -> Flights:
         """Return flights by their ends."""
@@ -314,47 +288,35 @@ class Columns(Run):
         limit: Any,
         rows: Flags,
         bat: Bat | None = None,
-    ) -> Flown:
-        """Fly the rows of a mask."""
-        fly = self.engine.fly_all
-        return Flown(self._flown_by(fly, law, start, events, limit, rows, bat))
-
-    def _flown_by(
-        self,
-        fly: Callable[[Records, Program], Records],
-        law: Law,
-        start: Start,
-        events: Events,
-        limit: Any,
-        rows: Flags,
-        bat: Bat | None,
+        changes: Sequence[Array] = (),  # of `records.records_of`
     ) -> Records:
         """Fly the rows of a mask; return arrivals of all rows, or a single one for all."""
+        program = records.in_lanes(law).program
         # If no number of the flight differs between rows, it is flown once.
         if rows.any():
             error = self.engine.flight_error
-            starts = records.records_of(law, start, events, limit, error, bat, rows)
-            flown = fly(starts, records.in_lanes(law).program)
+            begun = records.records_of(law, start, events, limit, error, bat, rows, changes)
+            flown: Records = self.engine.fly_all(begun, program)
             if flown.ndim == 0 or rows.all():
                 return flown
         # the others stay where they start
-        program = records.general(law).program
-        ends = np.zeros(len(rows), flights.arrival_dtype(program))
-        ends["stop"], ends["mark_time"] = NOT_FLOWN, np.nan
+        inputs = len(changes[0]) if changes else 0
+        ends = np.zeros(len(rows), flights.arrival_dtype(program, inputs))
+        ends["stop"], ends["mark_time"], ends["rates"] = NOT_FLOWN, np.nan, np.nan
         for name in program.variables:
             ends[name] = getattr(start.state, name)
         if rows.any():
             ends[rows] = flown
         return ends
 
-    def _noted(self, flown: Flown, law: Law, prefix: str = "") -> Start:
+    def _noted(self, ends: Records, law: Law, prefix: str = "") -> Start:
         """Return time and state that arrivals hold under names with a prefix."""
-        return records.noted(flown.ends, law, prefix)
+        return records.noted(ends, law, prefix)
 
-    def _arrived(self, flown: Flown, law: Law, events: Events, limit: Any, rows: Flags) -> Start:
+    def _arrived(self, ends: Records, law: Law, events: Events, limit: Any, rows: Flags) -> Start:
         """Return when and where flights ended, those that an event stopped being put onto it."""
-        time, state = records.noted(flown.ends, law)
-        return Start(time, records.placed(flown.ends["stop"], state, events, self.numbers))
+        time, state = records.noted(ends, law)
+        return Start(time, records.placed(ends["stop"], state, events, self.numbers))
 
     def touch(self, pitch: Any, law: Law, bat: BatSection, events: Events, rows: Flags) -> Touch:
         """See `Run`."""
@@ -366,27 +328,27 @@ class Columns(Run):
         far = records.APPROACH * abs(bat.frame.cos)
         clear = (bat.reach < far) & (abs(bat.height - pitch.state.z) < far)
         start = _where(numbers, clear, pitch.mark, pitch.launch)
-        flown = self._flown(law, start, over, self.time_limit, rows, Bat(bat, error))
+        ends = self._flown(law, start, over, self.time_limit, rows, Bat(bat, error))
 
         # 1 for a contact, 0 for a miss, -1 if undecided
-        stops = records.stops(flown.ends, over)
+        stops = records.stops(ends, over)
         self.leave(rows & (stops == Stop.FALLBACK))
         touched = stops == Stop.TOUCH
         missed = np.isin(stops, [records.STOPS[name] for name in ("past", "ground", "time")])
-        margin = np.where(touched | missed, flown.ends["margin"], np.nan)[()]
+        margin = np.where(touched | missed, ends["margin"], np.nan)[()]
         code: Any = np.where(touched, 1, np.where(missed, 0, -1))[()]
-        return self._touched_at(flown, law, bat, Touch(margin, code), rows)
+        return self._touched_at(ends, law, bat, Touch(margin, code), rows)
 
     def _touched_at(
-        self, flown: Flown, law: Law, bat: BatSection, touch: Touch, rows: Flags
+        self, ends: Records, law: Law, bat: BatSection, touch: Touch, rows: Flags
     ) -> Touch:
         """Return contacts with their times and states."""
-        time, state = records.noted(flown.ends, law)
+        time, state = records.noted(ends, law)
         return replace(touch, time=time, state=state)
 
     def leave(self, rows: Flags) -> bool:
         """See `Run`."""
-        self.table.alone[self.table.rows] |= rows
+        self.table.alone |= rows
         return True
 
     def record(self, name: str, value: Any, rows: Flags) -> None:

@@ -51,6 +51,10 @@ NO_LIMIT = 1e300  # s, of a step
 LONGER = 3.0
 
 
+# An exponent of a drag crisis shows in the last terms up to twice the order less this.
+CRISIS_SHOWS = 10
+
+
 class Layout:
     """Positions of the blocks of an expansion, after the rows of the recurrence."""
 
@@ -81,45 +85,24 @@ class _Step(Writer):
     def __init__(self, module: Any, program: Program) -> None:
         super().__init__(module, "step")
         self.program, self.recurrence, self.layout = program, recurrence(program), Layout(program)
-        self.array, self.functions, self.order, self.stride, *_ = self.arguments
+        self.array, self.functions = self.arrays
+        self.order, self.stride, self.count, self.truncation = self.numbers
         self.variables = [*map(variable, program.variables)]
         self.rates = program.outputs[: len(self.variables)]
         moving = [*zip(self.variables, self.rates, strict=True)]
         self.positions = [name for name, rate in moving if rate.kind == "variable"]
         self.dynamic = [n for n in program.nodes if not n.static and n.kind != "variable"]
-        self.blocks = {
-            node: self.builder.mul(self.index(i), self.stride)
-            for i, node in enumerate(self.recurrence.rows)
-        }
+        self.blocks = {node: self.stride * i for i, node in enumerate(self.recurrence.rows)}
+        self.inverse, self.step = (self.stride * i for i in (self.layout.inverse, self.layout.step))
         self.zeroth: Values = {}
         self.expand()
         length = self.choose_length([rate for _, rate in moving if rate.kind == "variable"])
         self.store_clearance(self.take(length))
-        self.builder.ret(self.index(0))
+        self.build.ret(self.index(0).code)
 
-    def at(self, node: Node, k: Value) -> Value:
+    def at(self, node: Node, k: Value | int) -> Value:
         """Return the coefficient k > 0 of a row."""
-        return self.load(self.array, self.builder.add(self.blocks[row_of(node)], k))
-
-    def put(self, node: Node, k: Value, value: Value) -> None:
-        """Write the coefficient k of a node that has a row."""
-        self.store(self.array, self.builder.add(self.blocks[node], k), value)
-
-    def extra(self, block: int, row: Value | int) -> Value:
-        """Index of a row of a block after those of the recurrence."""
-        return self.builder.add(self.builder.mul(self.index(block), self.stride), self.index(row))
-
-    def per(self, k: Value) -> Value:
-        """Return 1/k."""
-        return self.load(self.array, self.extra(self.layout.inverse, k))
-
-    def put_step(self, row: int, value: Value) -> None:
-        """Write a row of the block of the step."""
-        self.store(self.array, self.extra(self.layout.step, row), value)
-
-    def after(self, k: Value) -> Value:
-        """Return ``k + 1``."""
-        return self.builder.add(k, self.index(1))
+        return self.array[self.blocks[row_of(node)] + k]
 
     # --- the recurrence ---
 
@@ -130,27 +113,26 @@ class _Step(Writer):
 
         def given(node: Node) -> Value:
             if node.kind == "parameter":
-                row = self.extra(self.layout.parameters, place[node.args[0]])
-                return self.load(self.array, row)
-            return self.load(self.array, self.blocks[node])
+                return self.array[self.stride * self.layout.parameters + place[node.args[0]]]
+            return self.array[self.blocks[node]]
 
         nodes = dict.fromkeys((*self.variables, *self.program.nodes))
         self.evaluate(nodes, given, self.zeroth)
         self.inverses = {
-            node: self.divide(self.number(1.0), self.zeroth[divisor])
+            node: self.number(1.0) / self.zeroth[divisor]
             for node in self.dynamic
             if (divisor := self.recurrence.divisor(node)) is not None
         }
         # order 1 of the variables, then the other ones
         first = [self.zeroth[rate] for rate in self.rates]
-        for name, rate in zip(self.variables, first, strict=True):
-            self.put(name, self.index(1), rate)
+        for name, start in zip(self.variables, first, strict=True):
+            self.array[self.blocks[name] + 1] = start
         last = self.repeat(1, self.order, first, self.next_order)
-        per_n = self.per(self.after(self.order))
+        per_n = self.array[self.inverse + (self.order + 1)]
         known = dict(zip(self.variables, last, strict=True))
         for name, rate in zip(self.variables, self.rates, strict=True):
             if rate.kind == "variable":
-                self.put(name, self.after(self.order), self.multiply(known[rate], per_n))
+                self.array[self.blocks[name] + (self.order + 1)] = known[rate] * per_n
 
     # A symmetric sum is taken by halves: of these nodes `halves` holds half the coefficient.
 
@@ -162,21 +144,21 @@ class _Step(Writer):
         for node in self.dynamic:
             self.end(node, n, sums, current, halves)
             if node in self.blocks:
-                self.put(node, n, self.whole(node, current, halves))
-        per_n = self.per(self.after(n))
+                self.array[self.blocks[node] + n] = self.whole(node, current, halves)
+        per_n = self.array[self.inverse + (n + 1)]
         following = []
         for name, rate in zip(self.variables, self.rates, strict=True):
             value = self.number(0.0)
             if not rate.static:
-                value = self.multiply(self.whole(rate, current, halves), per_n)
-            self.put(name, self.after(n), value)
+                value = self.whole(rate, current, halves) * per_n
+            self.array[self.blocks[name] + (n + 1)] = value
             following.append(value)
         return following
 
     def whole(self, node: Node, current: Values, halves: Values) -> Value:
         """Return a coefficient, doubling what is known by half."""
         if node not in current:
-            current[node] = self.add(halves[node], halves[node])
+            current[node] = halves[node] + halves[node]
         return current[node]
 
     def inner_sums(self, n: Value) -> Values:
@@ -206,18 +188,16 @@ class _Step(Writer):
 
         The pairs go from the middle outwards, for the outermost need what was computed last.
         """
-        build = self.builder
-        count = build.ashr(build.sub(n, self.index(1)), self.index(1))
+        count = (n - 1) >> 1
 
         def weighed(node: Node, order: Value, x: Value) -> Value:
-            weigh = node.kind in ("exp", "log")
-            return self.multiply(self.spread(order), x) if weigh else x
+            return self.spread(order) * x if node.kind in ("exp", "log") else x
 
         # two terms of each sum at a time, (j, n-j) and (n-j, j): two chains of additions, which the
         # processor does at once; of a product of equal rows the two are the same
         def pair(i: Value, totals: list[Value]) -> list[Value]:
-            j = build.sub(count, i)
-            k = build.sub(n, j)
+            j = count - i
+            k = n - j
             known: dict[tuple[Node, int], Value] = {}
 
             def at(node: Node, side: int) -> Value:
@@ -237,28 +217,23 @@ class _Step(Writer):
             return sums
 
         chains = sum(map(_chains, rows.values()))
-        totals = self.repeat(0, count, [self.number(0.0)] * chains, pair)
-        coming = iter(totals)
-        merged = [
-            next(coming) if a is b else self.add(next(coming), next(coming))
-            for a, b in rows.values()
-        ]
+        coming = iter(self.repeat(0, count, [self.number(0.0)] * chains, pair))
+        merged = [next(coming) if a is b else next(coming) + next(coming) for a, b in rows.values()]
         # the term in the middle, of even n alone: a loop of one round or none
-        middle = build.ashr(n, self.index(1))
+        middle = n >> 1
 
         def central(_: Value, totals: list[Value]) -> list[Value]:
             sums = []
             for (node, (a, b)), total in zip(rows.items(), totals, strict=True):
                 x = self.at(a, middle)
                 if a is b:
-                    sums.append(self.fma(self.multiply(self.number(0.5), x), x, total))
+                    sums.append(self.fma(x * 0.5, x, total))
                 else:
                     x = weighed(node, middle, x)
                     sums.append(self.fma(x, self.at(b, middle), total))
             return sums
 
-        odd = build.and_(n, self.index(1))
-        return dict(zip(rows, self.repeat(odd, self.index(1), merged, central), strict=True))
+        return dict(zip(rows, self.repeat(n & 1, 1, merged, central), strict=True))
 
     def end(self, node: Node, n: Value, sums: Values, current: Values, halves: Values) -> None:
         """Write the coefficient n of a node, or half of it."""
@@ -286,28 +261,25 @@ class _Step(Writer):
             case "quotient":
                 a, b = node.args
                 rest = self.fma(of(b), zeroth[node], sums[node])
-                current[node] = self.multiply(self.subtract(of(a), rest), self.inverses[node])
+                current[node] = (of(a) - rest) * self.inverses[node]
             case "sqrt":
-                half = halves.get(first)
-                if half is None:
-                    half = self.multiply(self.number(0.5), of(first))
-                current[node] = self.multiply(self.subtract(half, sums[node]), self.inverses[node])
+                half = halves[first] if first in halves else of(first) * 0.5
+                current[node] = (half - sums[node]) * self.inverses[node]
             case "exp":
-                inner = self.multiply(sums[node], self.per(n))
+                inner = sums[node] * self.array[self.inverse + n]
                 current[node] = self.fma(of(first), zeroth[node], inner)
             case "log":
-                inner = self.multiply(sums[node], self.per(n))
-                current[node] = self.multiply(self.subtract(of(first), inner), self.inverses[node])
+                inner = sums[node] * self.array[self.inverse + n]
+                current[node] = (of(first) - inner) * self.inverses[node]
 
     # --- the step ---
 
     def larger(self, values: list[Value]) -> Value:
         """Return the largest absolute value."""
-        largest = self.call("fabs", values[0])
-        for value in values[1:]:
-            size = self.call("fabs", value)
-            largest = self.choose(size, ">", largest, size, largest)
-        return largest
+        first, *others = (self.call("fabs", value) for value in values)
+        for size in others:
+            first = (size > first).select(size, first)
+        return first
 
     def choose_length(self, velocities: list[Node]) -> Value:
         """Choose the length: the last two terms of the velocity stay below `truncation` times V.
@@ -317,6 +289,7 @@ class _Step(Writer):
         A third one bounds the last term of these roots, which are speeds. Where the air hardly
         pushes the ball, the series of the velocity nearly ends and theirs does not; the path along
         which spin decays and derivatives by the forces depend on them.
+        A fourth one is that of `longball.engines.reach.reach_of_crisis`.
 
         The length is NaN where no ordinary step is possible. On a vertical flight only one of the
         squares does not vanish, and the root has a corner where that falls to zero. Near rest the
@@ -324,53 +297,55 @@ class _Step(Writer):
         one possible where an output behind the rates is not above zero: there the law ends.
         """
         # truncation: |x_N| t^N and |x_(N-1)| t^(N-1) are at most `allowed`
-        build, square = self.builder, self.number(0.0)
+        square = self.number(0.0)
         for x in [self.zeroth[name] for name in velocities]:
             square = self.fma(x, x, square)
-        allowed = self.multiply(self.spread(self.arguments[-1]), self.call("sqrt", square))
-        before = build.sub(self.order, self.index(1))
+        allowed = self.spread(self.truncation) * self.call("sqrt", square)
+        before = self.order - 1
         lengths = []
         total = self.number(0.0)
         for power in (self.order, before):
             last = [self.at(name, power) for name in velocities]
-            lengths.append(self.root(self.divide(allowed, self.larger(last)), power))
+            lengths.append(self.root(allowed / self.larger(last), power))
             for x in last:
-                total = self.add(total, self.call("fabs", x))
-        length = self.choose(lengths[0], "<", lengths[1], *lengths)
+                total = total + self.call("fabs", x)
+        length = (lengths[0] < lengths[1]).select(*lengths)
         # overflow: the last terms stay finite, and so do derivatives of second order of them
         order = self.spread(self.order)
-        for _ in range(3):
-            total = self.multiply(total, order)
-        ordinary = build.fcmp_ordered("<", total, self.number(math.inf))
+        ordinary = total * order * order * order < math.inf
         # the roots: within half the distance of their singularities, and with small last terms
         has_path = len(self.variables) > len(self.positions) + len(velocities)
         longer = self.number(1.0 if has_path else LONGER)
         for node in self.recurrence.roots:
-            one, two = self.index(1), self.index(2)
-            curvature, zero = self.number(0.0), self.number(0.0)
+            curvature = self.number(0.0)
             # the lanes in which some square moves, and several
-            none = ir.Constant(ir.VectorType(ir.IntType(1), WIDTH), [0] * WIDTH)
-            some, several = none, none
+            some = several = curvature.differs(0.0)
             for p in squares(node.args[0]):
-                p0, p1 = self.zeroth[p], self.at(p, one)
+                p0, p1 = self.zeroth[p], self.at(p, 1)
                 curvature = self.fma(p1, p1, curvature)
-                curvature = self.fma(self.add(p0, p0), self.at(p, two), curvature)
-                moves = build.fcmp_unordered("!=", self.larger([p0, p1]), zero)
-                several = build.or_(several, build.and_(some, moves))
-                some = build.or_(some, moves)
-            half = self.multiply(self.number(0.5), self.zeroth[node])
-            limit = self.divide(half, self.call("sqrt", self.call("fabs", curvature)))
-            ordinary = build.and_(ordinary, several)
+                curvature = self.fma(p0 + p0, self.at(p, 2), curvature)
+                moves = self.larger([p0, p1]).differs(0.0)
+                several = several | (some & moves)
+                some = some | moves
+            half = self.zeroth[node] * 0.5
+            limit = half / self.call("sqrt", self.call("fabs", curvature))
+            ordinary = ordinary & several
             size = self.call("fabs", self.at(node, before))
-            term = self.root(self.divide(allowed, size), before)
-            length = self.choose(self.multiply(longer, term), "<", length, term, length)
-            length = self.choose(limit, "<", length, limit, length)
+            term = self.root(allowed / size, before)
+            length = (longer * term < length).select(term, length)
+            length = (limit < length).select(limit, length)
+        # the crises of drag: a series shows nothing of one that is far
+        near = self.spread(self.order * 2 - CRISIS_SHOWS)
+        for exponent in self.recurrence.crises:
+            room = (self.call("fabs", self.zeroth[exponent]) - near) * 0.5
+            rate, bend = (self.call("fabs", self.at(exponent, k)) for k in (1, 2))
+            for limit in (room / rate, self.call("sqrt", room / bend)):
+                length = ((room > 1.0) & (limit < length)).select(limit, length)
         # the law: not where it ends
         for guard in self.program.outputs[len(self.variables) :]:
-            above = build.fcmp_ordered(">", self.zeroth[guard], self.number(0.0))
-            ordinary = build.and_(ordinary, above)
-        length = build.select(ordinary, length, self.number(math.nan))
-        self.put_step(len(self.variables) + LENGTH, length)
+            ordinary = ordinary & (self.zeroth[guard] > 0.0)
+        length = ordinary.select(length, self.number(math.nan))
+        self.array[self.step + (len(self.variables) + LENGTH)] = length
         return length
 
     def root(self, x: Value, n: Value) -> Value:
@@ -380,14 +355,12 @@ class _Step(Writer):
         constant and to within 2^52 / 11: the mantissa approximates the fraction of the logarithm.
         Reading the root back from its bits makes it at most 1 / 0.94 times too long.
         """
-        build = self.builder
         integers = ir.VectorType(INDEX, WIDTH)
-        one = ir.Constant(integers, [1023 << 52] * WIDTH)
-        logarithm = build.sitofp(build.sub(build.bitcast(x, integers), one), self.type)
-        part = self.add(self.divide(logarithm, self.spread(n)), build.sitofp(one, self.type))
-        root = build.bitcast(build.fptosi(part, integers), self.type)
-        limit = self.number(NO_LIMIT)
-        return self.choose(x, "<", limit, self.multiply(self.number(0.94), root), limit)
+        one = Value(self.build, ir.Constant(integers, [1023 << 52] * WIDTH))
+        logarithm = (x.to("bitcast", integers) - one).to("sitofp", self.type)
+        part = logarithm / self.spread(n) + one.to("sitofp", self.type)
+        root = part.to("fptosi", integers).to("bitcast", self.type)
+        return (x < NO_LIMIT).select(root * 0.94, self.number(NO_LIMIT))
 
     def take(self, length: Value) -> dict[Node, Value]:
         """Sum the series; return how far each position can get from its start on the way.
@@ -395,15 +368,14 @@ class _Step(Writer):
         What rounding takes from a position is made up for at the next step (Kahan): a feather's
         thousand short steps would all be rounded to the same side.
         """
-        last = self.after(self.order)
         sizes = self.call("fabs", length)
 
         def upper(name: Node, k: Value) -> Value:
             """Return the coefficient of t^k of a velocity, or of t^(k+1) of a position."""
-            return self.at(name, self.after(k) if name in self.positions else k)
+            return self.at(name, k + 1 if name in self.positions else k)
 
         def term(k: Value, totals: list[Value]) -> list[Value]:
-            down = self.builder.sub(self.builder.sub(self.order, self.index(1)), k)
+            down = self.order - 1 - k
             coefficients = {name: upper(name, down) for name in self.variables}
             sums = [
                 self.fma(total, length, coefficients[name])
@@ -417,53 +389,44 @@ class _Step(Writer):
 
         # by Horner's rule, values and bounds in one loop, as they load the same coefficients
         begin = [upper(name, self.order) for name in self.variables]
-        begin += [self.call("fabs", self.at(name, last)) for name in self.positions]
+        begin += [self.call("fabs", upper(name, self.order)) for name in self.positions]
         totals = self.repeat(0, self.order, begin, term)
         # of a position, x(0) is added last: that is the sum with Kahan's compensation
         compensations = len(self.variables) + RANGES + len(self.positions)
         for i, (name, total) in enumerate(zip(self.variables, totals, strict=False)):
             if name in self.positions:
-                row, start = compensations + i, self.zeroth[name]
-                lost = self.load(self.array, self.extra(self.layout.step, row))
-                change = self.fma(total, length, lost)
-                end = self.add(start, change)
-                taken = self.subtract(end, start)
-                left = self.subtract(start, self.subtract(end, taken))
-                left = self.add(left, self.subtract(change, taken))
-                self.put_step(row + len(self.positions), left)
-                total = end
-            self.put_step(i, total)
+                row, start = self.step + (compensations + i), self.zeroth[name]
+                change = self.fma(total, length, self.array[row])
+                total = start + change
+                taken = total - start
+                left = (start - (total - taken)) + (change - taken)
+                self.array[row + len(self.positions)] = left
+            self.array[self.step + i] = total
         ranges = {}
         for i, name in enumerate(self.positions):
-            ranges[name] = self.multiply(totals[len(self.variables) + i], sizes)
-            self.put_step(len(self.variables) + RANGES + i, ranges[name])
+            ranges[name] = totals[len(self.variables) + i] * sizes
+            self.array[self.step + (len(self.variables) + RANGES + i)] = ranges[name]
         return ranges
 
     def store_clearance(self, ranges: dict[Node, Value]) -> None:
         """Write 1 where every linear function certainly stays above its error, -1 elsewhere."""
-        count, size = self.arguments[4], self.index(len(self.variables) + 2)
-        clear, touched, zero = (self.number(value) for value in (1.0, -1.0, 0.0))
+        size = len(self.variables) + 2
+        clear, touched = self.number(1.0), self.number(-1.0)
 
         def nearest(e: Value, totals: list[Value]) -> list[Value]:
-            first = self.builder.mul(e, size)
-
-            def part(i: int) -> Value:
-                return self.load(self.functions, self.builder.add(first, self.index(i)))
-
-            least = self.subtract(part(len(self.variables)), part(len(self.variables) + 1))
-            total = totals[0]
-            for i, name in enumerate(self.variables):
-                slope = part(i)
+            first, (total,) = e * size, totals
+            *slopes, constant, error = (self.functions[first + i] for i in range(size))
+            least = constant - error
+            for name, slope in zip(self.variables, slopes, strict=True):
                 if name in ranges:
                     least = self.fma(slope, self.zeroth[name], least)
-                    reach = self.call("fabs", slope)
-                    least = self.subtract(least, self.multiply(reach, ranges[name]))
+                    least = least - self.call("fabs", slope) * ranges[name]
                 else:
-                    total = self.choose(slope, "==", zero, total, touched)
-            return [self.choose(least, ">", zero, total, touched)]
+                    total = slope.equals(0.0).select(total, touched)
+            return [(least > 0.0).select(total, touched)]
 
-        (result,) = self.repeat(0, count, [clear], nearest)
-        self.put_step(len(self.variables) + CLEARANCE, result)
+        (result,) = self.repeat(0, self.count, [clear], nearest)
+        self.array[self.step + (len(self.variables) + CLEARANCE)] = result
 
 
 def _chains(factors: tuple[Node, Node]) -> int:

@@ -49,7 +49,6 @@ from longball.engines.batch.roots import (
 from longball.engines.batch.tangents import TIMES, Tangents, tangents
 from longball.engines.batch.writer import WIDTH, aligned
 from longball.engines.compiled import compiled
-from longball.model.arrays import Array
 from longball.model.trace import Program
 
 Integer = int | np.int64
@@ -68,13 +67,14 @@ class Stop(IntEnum):
     FALLBACK = 102  # left to the scalar engine
 
 
-def flight_dtype(program: Program, events: int) -> np.dtype[Any]:
+def flight_dtype(program: Program, events: int, inputs: int = 0) -> np.dtype[Any]:
     """Type of the inputs: start, strengths, bat, event functions.
 
     A function is an array of the coefficients of the variables, the constant, and the size that its
     error is relative to.
     """
     size = len(program.variables) + 2
+    sources = len(program.parameters) + len(program.variables)
     return np.dtype(
         [
             *((name, np.float64) for name in _FLIGHT),
@@ -83,6 +83,8 @@ def flight_dtype(program: Program, events: int) -> np.dtype[Any]:
             # The components of the distance from the bat's axis, and the sampling plane's function
             *((name, np.float64, (size,)) for name in ("across", "above", "sample")),
             ("events", np.float64, (events, size)),  # they end a flight where they fall
+            # Derivatives of parameters and variables by each of some numbers of the scene
+            ("changes", np.float64, (inputs, sources)),
         ]
     )
 
@@ -99,7 +101,7 @@ _TIME, _LIMIT, _ERROR, _REACH, _MARGIN_ERROR, _BEYOND, _STATE = range(7)
 _ACROSS, _ABOVE, _SAMPLE, _FIRST_EVENT = range(4)
 
 
-def arrival_dtype(program: Program) -> np.dtype[Any]:
+def arrival_dtype(program: Program, inputs: int = 0) -> np.dtype[Any]:
     """Type of the results: status, margin, and times and states under the `PREFIXES`.
 
     ========  =====================================================================
@@ -119,6 +121,8 @@ def arrival_dtype(program: Program) -> np.dtype[Any]:
             ("margin", np.float64),  # of the bat, m
             # time, s, and state
             *((f"{prefix}{name}", np.float64) for prefix in PREFIXES for name in names),
+            # Derivatives of these states, each at a fixed time, by the inputs of the flight
+            ("rates", np.float64, (len(PREFIXES), inputs, len(program.variables))),
         ]
     )
 
@@ -130,9 +134,9 @@ PREFIXES = ("", "mark_", "nearest_")
 _STOP, _STEPS, _MARGIN, _END = range(4)
 
 
-def new_flights(program: Program, shape: tuple[int, ...], events: int) -> Records:
+def new_flights(program: Program, shape: tuple[int, ...], events: int, inputs: int) -> Records:
     """Return flights that have no sampling plane, no bat, and events that never happen."""
-    flights = np.zeros(shape, flight_dtype(program, events))
+    flights = np.zeros(shape, flight_dtype(program, events, inputs))
     constant = len(program.variables)
     flights["beyond"] = math.nan
     flights["sample"][..., constant] = flights["events"][..., constant] = math.inf
@@ -144,37 +148,28 @@ def fly_all(
     flights: Records,  # of `flight_dtype`, of any shape
     order: int,  # of the series
     truncation: float,  # size of the last terms of the velocity in a step, relative to the speed
-    # Derivatives of variables and parameters by some numbers: shape (sources, tangents, flights)
-    changes: Array | None = None,
-) -> tuple[Records, Array]:
-    """Fly every flight to its end, and derivatives of its state with it.
-
-    Returns records of `arrival_dtype`, of the shape of `flights`; and derivatives of the state at
-    the end, at the mark and where the ball is closest to the bat, each at a fixed time, of shape
-    (times, variables, tangents, flights), NaN where there is no mark, or no bat.
-    """
+) -> Records:
+    """Fly every flight to its end; return records of `arrival_dtype`, of the same shape."""
     layout, rows = Layout(program), Tangents(program)
     functions = flights.dtype["events"].shape[0] + 1
-    variables, parameters = len(program.variables), len(program.parameters)
-    half = variables // 2
+    inputs = flights.dtype["changes"].shape[0]
+    variables = len(program.variables)
     starts = np.ascontiguousarray(flights).reshape(-1)
-    arrivals = np.empty(len(starts), arrival_dtype(program))
-    if changes is None:
-        changes = np.empty((0, 0, len(starts)))
-    count = changes.shape[1]
-    derivatives = np.full((TIMES, variables, *changes.shape[1:]), math.nan)
+    arrivals = np.empty(len(starts), arrival_dtype(program, inputs))
+    arrivals["rates"] = math.nan
     x = layout.allocate(order)
     taken, work = x[layout.step].ravel(), np.zeros((variables + _SCRATCH, 2 * order + 4))
-    memory = rows.allocate(count).ravel()
     p, slope, second, across, above, state = work[variables:]
     _fly_all(
         step(program).address,
+        tangents(program).address if inputs else 0,
         truncation,
         _Workspace(
-            half=half,
+            half=variables // 2,
             variables=variables,
-            parameters=parameters,
+            parameters=len(program.parameters),
             functions=functions,
+            inputs=inputs,
             order=order,
             degree=order + 1,
             rows=x.shape[1],
@@ -182,7 +177,7 @@ def fly_all(
             x=x.ravel(),
             strengths=x[layout.parameters].ravel(),
             step=taken,
-            compensation=taken[(variables + RANGES + half) * WIDTH :],
+            compensation=taken[(variables + RANGES + variables // 2) * WIDTH :],
             linear=aligned(functions * (variables + 2) * WIDTH),
             work=work.ravel(),
             p=p,
@@ -191,7 +186,9 @@ def fly_all(
             across=across,
             above=above,
             state=state,
-            times=memory,
+            times=rows.allocate(inputs).ravel(),
+            first_tangent=rows.first,
+            tangent_size=rows.size,
             active=np.full(WIDTH, _NONE),
             flying=np.full(WIDTH, _NONE),
         ),
@@ -203,20 +200,8 @@ def fly_all(
             arrivals=arrivals.view(np.float64),
             statuses=arrivals.view(np.int64),
         ),
-        _Tangents(
-            code=tangents(program).address if count else 0,
-            flights=len(starts),
-            each=count,
-            sources=variables + parameters,
-            variables=variables,
-            first=rows.first,
-            size=rows.size,
-            memory=memory,
-            starts=changes.ravel(),
-            derivatives=derivatives.ravel(),
-        ),
     )
-    return arrivals.reshape(flights.shape), derivatives
+    return arrivals.reshape(flights.shape)
 
 
 # --- the loop -------------------------------------------------------------------------------------
@@ -231,12 +216,13 @@ _NONE = -1  # number of the flight in a lane that has none
 class _Workspace(NamedTuple):
     """Sizes and work arrays that all lanes share."""
 
-    # half, variables, parameters, functions: numbers of positions, variables, parameters; and of
-    # the sampling plane and the events
+    # half, variables, parameters, functions, inputs: numbers of positions, variables, parameters;
+    # of the sampling plane and the events; and of the inputs that derivatives are taken by
     half: int
     variables: int
     parameters: int
     functions: int
+    inputs: int
     # order, degree: of the velocity's polynomials, and of the position's
     order: int
     degree: int
@@ -261,8 +247,10 @@ class _Workspace(NamedTuple):
     above: Any
     state: Any  # of a flight at some time
     # times, s: for each lane the end of its step, its mark, and the closest approach to the bat;
-    # NaN if there is none
+    # NaN if there is none. Behind them is the memory of the tangents: see `Tangents`
     times: Any
+    first_tangent: int  # row of the first one
+    tangent_size: int  # rows of one
     # Numbers of the flights in the lanes now, and in the step
     active: Any
     flying: Any
@@ -292,30 +280,12 @@ class _Slot(NamedTuple):
     lane: int
 
 
-class _Tangents(NamedTuple):
-    """Tangents of the flights; see `longball.engines.batch.tangents.Tangents`."""
-
-    # code: address; flights: how many; each: tangents of one; sources: numbers at their start;
-    # variables; first: row of the first one in the memory; size: rows of one
-    code: int
-    flights: int
-    each: int
-    sources: int
-    variables: int
-    first: int
-    size: int
-    # memory: of the lanes; starts, derivatives: see `fly_all`
-    memory: Any
-    starts: Any
-    derivatives: Any
-
-
 @compiled
 def _fly_all(
-    step_code: int, truncation: float, s: _Workspace, records: _Records, t: _Tangents
+    step_code: int, tangents_code: int, truncation: float, s: _Workspace, records: _Records
 ) -> None:
     """Fill free lanes, step all lanes, locate events lane by lane, and advance, to the last end."""
-    s, records, t = unowned_views(s), unowned_views(records), unowned_views(t)
+    s, records = unowned_views(s), unowned_views(records)
     x, step, active, flying, variables = s.x, s.step, s.active, s.flying, s.variables
     block = s.rows * WIDTH
     time_row, length_row = (variables + TIME) * WIDTH, (variables + LENGTH) * WIDTH
@@ -332,7 +302,6 @@ def _fly_all(
         for lane in range(WIDTH):
             if active[lane] == _NONE and next_one < records.total:
                 _launch(s, _slot(records, next_one, lane))
-                _put_tangents(t, next_one, lane)
                 active[lane] = next_one
                 next_one += 1
             flying[lane] = active[lane]
@@ -342,10 +311,10 @@ def _fly_all(
 
         # one step of all lanes
         call(step_code, (x, s.linear, s.order, s.rows, s.functions, truncation))
-        if t.each > 0:
+        if s.inputs > 0:
             for k in range(variables):  # where the step begins; lanes move on before their tangents
                 for lane in range(WIDTH):
-                    t.memory[(TIMES + k) * WIDTH + lane] = x[k * block + lane]
+                    s.times[(TIMES + k) * WIDTH + lane] = x[k * block + lane]
         for lane in range(WIDTH):
             for k in range(TIMES):
                 s.times[k * WIDTH + lane] = math.nan
@@ -401,7 +370,7 @@ def _fly_all(
             step[compensation_row + lane] = passed - (time + passed - time)
 
         # derivatives over the step
-        if t.each > 0:
+        if s.inputs > 0:
             # Up to how many of the times any lane wants them; the last argument of all machine code
             # is a double.
             wanted = 1.0
@@ -409,10 +378,10 @@ def _fly_all(
                 for lane in range(WIDTH):
                     if not math.isnan(s.times[k * WIDTH + lane]):
                         wanted = k + 1.0
-            call(t.code, (x, s.times, s.order, s.rows, t.each, wanted))
+            call(tangents_code, (x, s.times, s.order, s.rows, s.inputs, wanted))
             for lane in range(WIDTH):
                 if flying[lane] != _NONE:
-                    _take_tangents(t, flying[lane], lane)
+                    _keep_tangents(s, _slot(records, flying[lane], lane))
 
 
 @inner
@@ -427,31 +396,18 @@ def _slot(records: _Records, number: Integer, lane: int) -> _Slot:
 
 
 @inner
-def _put_tangents(t: _Tangents, number: Integer, lane: int) -> None:
-    """Put the tangents of a flight into its lane."""
-    parameters = t.sources - t.variables
-    for i in range(t.each):
-        source = shifted(t.starts, i * t.flights + number)
-        target = shifted(t.memory, (t.first + i * t.size) * WIDTH + lane)
-        for k in range(parameters):
-            target[k * WIDTH] = source[(t.variables + k) * t.each * t.flights]
-        for k in range(t.variables):
-            target[(parameters + k) * WIDTH] = source[k * t.each * t.flights]
-
-
-@inner
-def _take_tangents(t: _Tangents, number: Integer, lane: int) -> None:
+def _keep_tangents(s: _Workspace, slot: _Slot) -> None:
     """Keep the tangents of a flight in a step: the last ones at its end, and those at its marks."""
-    parameters = t.sources - t.variables
+    lane = slot.lane
+    target = shifted(slot.arrival, _END + TIMES * (1 + s.variables))
     for k in range(TIMES):
-        if math.isnan(t.memory[k * WIDTH + lane]):
-            continue
-        for i in range(t.each):
-            row = t.first + i * t.size + parameters + k * t.variables
-            source = shifted(t.memory, row * WIDTH + lane)
-            target = shifted(t.derivatives, (k * t.variables * t.each + i) * t.flights + number)
-            for j in range(t.variables):
-                target[j * t.each * t.flights] = source[j * WIDTH]
+        for i in range(s.inputs):
+            row = s.first_tangent + i * s.tangent_size + s.parameters + k * s.variables
+            source = shifted(s.times, row * WIDTH + lane)
+            for j in range(s.variables):
+                if not math.isnan(s.times[k * WIDTH + lane]):
+                    target[j] = source[j * WIDTH]
+            target = shifted(target, s.variables)
 
 
 @inner
@@ -483,6 +439,11 @@ def _launch(s: _Workspace, slot: _Slot) -> None:
             target[k * WIDTH] = source[k]
         target[error * WIDTH] = source[error] * flight[_ERROR]
         source, target = shifted(source, s.variables + 2), shifted(target, (error + 1) * WIDTH)
+    for i in range(s.inputs):
+        target = shifted(s.times, (s.first_tangent + i * s.tangent_size) * WIDTH + lane)
+        for k in range(s.parameters + s.variables):
+            target[k * WIDTH] = source[k]
+        source = shifted(source, s.parameters + s.variables)
     # Where the sampling plane is passed already, or there is none, its function never falls.
     if _event_value(s, np.int64(0), lane, shifted(flight, _STATE)) > 0.0:
         for k in range(s.variables + 1):

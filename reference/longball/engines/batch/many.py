@@ -7,11 +7,12 @@ import re
 from collections import defaultdict
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
+from copy import deepcopy
 from dataclasses import dataclass
 from itertools import compress, pairwise
 from operator import attrgetter
 from types import NoneType
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -26,6 +27,7 @@ from longball.engines.batch.columns import (
     BatchFlyer,
     Columns,
     Table,
+    joined,
 )
 from longball.engines.batch.flights import Records
 from longball.engines.chain import DISCRETE, MODEL, PARTS, Model
@@ -39,9 +41,6 @@ from longball.model.numbers import DOUBLES
 from longball.model.result import Outcome
 from longball.model.scene import AtBatScene, FlightScene, ImpactScene, Scene
 from longball.model.trace import Program
-
-if TYPE_CHECKING:
-    from longball.engines.batch.slopes import SlopeTable
 
 # Scenes that a thread takes at a time: NumPy's calls on them then cost a tenth of the work.
 BLOCK = 16_384
@@ -110,16 +109,10 @@ class Batch(ManyAtOnce):
 
     def fly_all(self, starts: Records, program: Program) -> Records:
         """Fly records of `flights.flight_dtype`; return their arrivals, in order."""
-        return self.fly_all_with_tangents(starts, program, None)[0]
-
-    def fly_all_with_tangents(
-        self, starts: Records, program: Program, changes: Array | None
-    ) -> tuple[Records, Array]:
-        """Fly records with derivatives; see `flights.fly_all`."""
         # Flights past a bat take a hundredth of a second: a lower order is enough for one step.
         near_bat = starts.size > 0 and starts["reach"].item(0) > 0.0
         order = max(8, 2 * self.order // 5) if near_bat else self.order
-        return flights.fly_all(program, starts, order, self.truncation, changes)
+        return flights.fly_all(program, starts, order, self.truncation)
 
 
 # --- columns --------------------------------------------------------------------------------------
@@ -194,24 +187,21 @@ def solve_columns_with_slopes(
     flyer = engine or Batch()
     known = _checked(scene, columns)
 
-    def solve_block(rows: slice, cells: Mapping[str, Array], tables: Sequence[SlopeTable]) -> None:
-        part = tables[0].part(rows)
-        jets = slopes.ColumnJets(NUMBERS, np.zeros(len(part), bool))
+    def solve_block(rows: int, cells: Mapping[str, Array]) -> list[Table]:
         view = chain.view_of(scene, slopes.seeded_columns(scene, cells, names))
-        run = slopes.SlopeColumns(view, flyer, MODEL, table=part, jets=jets)
+        run = slopes.SlopeColumns(view, flyer, MODEL, table=Table(rows), inputs=len(names))
         chain.CHAINS[scene.kind](run)
-        part.withdraw_what_is_not_finite()
-        part.conclude_doubt(jets.doubtful)
+        run.table.withdraw_what_is_not_finite()
+        run.conclude_doubt()
+        return [run.table, run.slopes]
 
-    (table,) = _in_blocks(
-        solve_block, scene, known, lambda n: [slopes.SlopeTable(n, len(names))], threads
-    )
+    table, derived = _in_blocks(solve_block, scene, known, threads, tables=2)
     table.alone |= table.outcome == UNSOLVED
-    table.doubtful |= table.alone
+    derived.alone |= table.alone
     results = _named(table, scene, known, flyer)
 
     # the rows whose derivatives the compiled code does not know, one by one
-    alone = np.flatnonzero(table.doubtful & (table.whole != UNSOLVED)).tolist()
+    alone = np.flatnonzero(derived.alone & (table.outcome != UNSOLVED)).tolist()
     refused = {}
     for i in alone:
         cells = {name: column.item(i) for name, column in known.items()}
@@ -222,10 +212,11 @@ def solve_columns_with_slopes(
         ]
         one = derivatives_of(quantities.replaced(scene, cells), there, names, SCALAR)
         for quantity, by in one.items():
-            table.slopes_of(quantity)[:, i] = [by[name] for name in names]
+            slopes_of = derived.column(quantity, np.empty((len(names), 1)))
+            slopes_of[:, i] = [by[name] for name in names]
         if one.refused:
             refused[i] = one.refused
-    return results, Slopes(table.slopes, alone, refused)
+    return results, Slopes(derived.columns, alone, refused)
 
 
 def solve_columns_with_restitutions(
@@ -242,19 +233,16 @@ def solve_columns_with_restitutions(
     flyer, known = engine or Batch(), _checked(scene, columns)
     balls = [quantities.replaced(scene, {"ball.restitution": e}) for e in restitutions]
 
-    def solve_block(rows: slice, cells: Mapping[str, Array], tables: Sequence[Table]) -> None:
-        met = Table(rows.stop - rows.start)
-        view = chain.view_of(scene, cells)
-        contact = chain.meet_bat(Columns(view, flyer, MODEL, table=met))
+    def solve_block(rows: int, cells: Mapping[str, Array]) -> list[Table]:
+        met = Table(rows)
+        contact = chain.meet_bat(Columns(chain.view_of(scene, cells), flyer, MODEL, table=met))
+        tables = [deepcopy(met) for _ in balls]
         for ball, table in zip(balls, tables, strict=True):
-            part = table.part(rows)
-            part.outcome[:], part.alone[rows] = met.whole, met.alone
-            for name, column in met.columns.items():
-                part.column(name, column)[rows] = column
-            chain.finish(Columns(chain.view_of(ball, cells), flyer, MODEL, table=part), contact)
-            part.withdraw_what_is_not_finite()
+            chain.finish(Columns(chain.view_of(ball, cells), flyer, MODEL, table=table), contact)
+            table.withdraw_what_is_not_finite()
+        return tables
 
-    tables = _in_blocks(solve_block, scene, known, lambda n: [Table(n) for _ in balls], threads)
+    tables = _in_blocks(solve_block, scene, known, threads, tables=len(balls))
     return [_named(t, ball, known, flyer) for ball, t in zip(balls, tables, strict=True)]
 
 
@@ -294,7 +282,7 @@ def _named(
 
 def _by_name(table: Table, engines: NDArray[Any]) -> dict[str, NDArray[Any]]:
     names = np.array([*OUTCOMES, ""])
-    return {"outcome": names[table.whole]} | table.columns | {"engine": engines}
+    return {"outcome": names[table.outcome]} | table.columns | {"engine": engines}
 
 
 def _solve_as_data(scenes: Sequence[Scene], solver: Batch, threads: int) -> list[dict[str, Any]]:
@@ -370,13 +358,13 @@ def _solve(
 ) -> Table:
     """Solve columns, except the rows left to the scalar chain."""
 
-    def solve_block(rows: slice, cells: Mapping[str, Array], tables: Sequence[Table]) -> None:
-        part = tables[0].part(rows)
-        view = chain.view_of(scene, cells)
-        chain.CHAINS[scene.kind](Columns(view, flyer, model, table=part))
-        part.withdraw_what_is_not_finite()
+    def solve_block(rows: int, cells: Mapping[str, Array]) -> list[Table]:
+        table = Table(rows)
+        chain.CHAINS[scene.kind](Columns(chain.view_of(scene, cells), flyer, model, table=table))
+        table.withdraw_what_is_not_finite()
+        return [table]
 
-    (table,) = _in_blocks(solve_block, scene, columns, lambda n: [Table(n)], threads, model)
+    (table,) = _in_blocks(solve_block, scene, columns, threads, model)
     return table
 
 
@@ -396,28 +384,25 @@ def _flies_in_lanes(scene: Any, model: Model) -> bool:
 _OF_LAW = re.compile(r"air\.|earth\.|gravity|bat\.friction|\w+\.spin\[|launch\.velocity|pitch\.")
 
 
-T = TypeVar("T", bound=Table)
-
-
 def _in_blocks(
-    solve_block: Callable[[slice, Mapping[str, Array], Sequence[T]], None],
+    solve_block: Callable[[int, Mapping[str, Array]], list[Table]],  # of some rows
     scene: Scene,
     columns: Mapping[str, Array],
-    empty: Callable[[int], list[T]],  # makes tables of a number of rows
     threads: int,
     model: Model = MODEL,
-) -> list[T]:
-    """Fill tables block by block, by several threads.
+    tables: int = 1,  # that `solve_block` returns
+) -> list[Table]:
+    """Solve columns block by block, by several threads; return the whole tables.
 
     Terms with strength zero are not in a law. All rows of a block therefore have zeros in the same
     strengths.
     """
     n = max(map(len, columns.values()), default=1)
-    tables = empty(n)
-    if not _flies_in_lanes(scene, model):
-        for table in tables:
+    if n == 0 or not _flies_in_lanes(scene, model):
+        none = [Table(n) for _ in range(tables)]
+        for table in none:
             table.alone[:] = True
-        return tables
+        return none
 
     # the rows in order of their zeros
     kinds = np.zeros(n, np.int64)
@@ -425,30 +410,30 @@ def _in_blocks(
         if zero.any() and not zero.all():
             _, kinds = np.unique(2 * kinds + zero, return_inverse=True)
     order = np.argsort(kinds, kind="stable") if kinds.any() else None
-    if order is not None:
-        kinds = kinds[order]
-        columns = {name: column[order] for name, column in columns.items()}
 
     # blocks of rows with the same zeros
+    if order is not None:
+        kinds = kinds[order]
     edges = [0, *(1 + np.flatnonzero(np.diff(kinds))).tolist(), n]
     blocks = [
         slice(start, min(start + BLOCK, end))
         for begin, end in pairwise(edges)
         for start in range(begin, end, BLOCK)
     ]
+    places = blocks if order is None else [order[rows] for rows in blocks]
 
-    def quietly(rows: slice) -> None:
+    def quietly(rows: slice, place: Any) -> list[Table]:
         # Overflows are removed from the table afterwards.
         with np.errstate(all="ignore"):
-            solve_block(rows, {name: column[rows] for name, column in columns.items()}, tables)
+            cells = {name: column[place] for name, column in columns.items()}
+            return solve_block(rows.stop - rows.start, cells)
 
     if threads == 1 or len(blocks) == 1:
-        for rows in blocks:
-            quietly(rows)
+        solved = [*map(quietly, blocks, places)]
     else:
         with ThreadPoolExecutor(threads) as pool:
-            list(pool.map(quietly, blocks))
-    return tables if order is None else [table.in_order(order) for table in tables]
+            solved = [*pool.map(quietly, blocks, places)]
+    return [joined(parts, places) for parts in zip(*solved, strict=True)]
 
 
 def _rows(table: Table) -> Iterator[tuple[Outcome | None, dict[str, Any]]]:

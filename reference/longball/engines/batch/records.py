@@ -11,9 +11,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from longball.engines.batch.flights import Records, Stop, new_flights
+from longball.engines.batch.flights import PREFIXES, Records, Stop, new_flights
 from longball.engines.event import BatSection, Events
 from longball.engines.polynomial import Dual
+from longball.model.arrays import Array, Flags
 from longball.model.law import PAPER, Law, State, law_with
 
 # Distance of the sampling plane from the plate, m, where a new series and the search for the bat
@@ -100,8 +101,9 @@ def records_of(
     events: Events,
     limit: Any,
     flight_error: float,
-    bat: Bat | None = None,
-    rows: Any = ...,
+    bat: Bat | None,
+    rows: Flags,
+    changes: Sequence[Array] = (),  # derivatives of parameters and variables, (inputs, flights)
 ) -> Records:
     """Return flights that start from states, as `in_lanes(law)` has them fly.
 
@@ -138,9 +140,11 @@ def records_of(
     # numbers that all flights share are broadcast when the records are made
     columns = {key: value[rows] if np.ndim(value) else value for key, value in columns.items()}
     shape = np.broadcast_shapes(*(np.shape(value) for value in columns.values()))
-    flight = new_flights(law.program, shape, len(events))
+    flight = new_flights(law.program, shape, len(events), len(changes[0]) if changes else 0)
     for (name, *place), value in columns.items():
         flight[name][..., *place] = value
+    for source, rate in enumerate(changes):
+        flight["changes"][..., source] = rate[:, rows if shape else 0].T
     return flight
 
 
@@ -155,6 +159,12 @@ def noted(end: Records, law: Law, prefix: str = "") -> Start:
     """Return time and state that arrivals hold under names with a prefix."""
     time, *state = (end[prefix + name][()] for name in ("time", *law.variables))
     return Start(time, law.state(*state))
+
+
+def rates_of(end: Records, prefix: str) -> Array:
+    """Return the derivatives of the states under a prefix, of shape (variables, inputs, rows)."""
+    rates: Array = np.atleast_1d(end)["rates"][:, PREFIXES.index(prefix)].T
+    return np.ascontiguousarray(rates)
 
 
 def placed(stop: Any, state: State, events: Events, numbers: Any) -> State:

@@ -7,34 +7,30 @@ left to `longball.engines.tangent`.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Any, ClassVar, Self
+from typing import Any, ClassVar
 
 import numpy as np
 
-from longball.engines.batch import flights, records
+from longball.engines.batch import records
 from longball.engines.batch.columns import (
     NUMBERS,
     Columns,
     Flights,
-    Flown,
     Table,
 )
-from longball.engines.batch.flights import Stop
+from longball.engines.batch.flights import Records, Stop
 from longball.engines.batch.records import Bat, Start
-from longball.engines.batch.tangents import TIMES
 from longball.engines.engine import Touch
 from longball.engines.event import BatSection, Event, Events
 from longball.engines.path import Path
 from longball.engines.tangent import ON_THE_AXIS, Jet, Jets, is_steep, plain_of, rate_of
-from longball.model.arrays import Array, Flags, Integers
+from longball.model.arrays import Array, Flags
 from longball.model.inputs import TRACKED, launched, tracks_of
 from longball.model.law import Law
 from longball.model.quantities import number
 from longball.model.scene import FlightScene, Scene
-from longball.model.trace import Program
 
 # --- jets of columns ------------------------------------------------------------------------------
 
@@ -144,44 +140,6 @@ def _quotient(change: Any, divisor: Any) -> Any:
     return np.where(change == 0, 0.0, change / divisor)
 
 
-# --- tables ---------------------------------------------------------------------------------------
-
-
-class SlopeTable(Table):
-    """Results and their derivatives: of each quantity by each input, shape (inputs, rows)."""
-
-    def __init__(self, rows: int, inputs: int) -> None:
-        super().__init__(rows)
-        self.inputs = inputs
-        self.slopes: dict[str, Array] = {}
-        self.doubtful = np.zeros(rows, bool)  # rows of which a derivative is to be found alone
-
-    def slopes_of(self, name: str) -> Array:
-        """Return the derivatives of a quantity in all rows of the whole table."""
-        if name not in self.slopes:
-            empty = np.full((self.inputs, len(self.whole)), np.nan)
-            self.slopes.setdefault(name, empty)  # another thread may have made it
-        return self.slopes[name]
-
-    def conclude_doubt(self, doubtful: Flags) -> None:
-        """Mark the rows that are left to be solved alone; also those without a derivative."""
-        doubtful = doubtful | (self.outcome < 0)
-        for name, slopes in [*self.slopes.items()]:  # another thread may add some
-            there = ~np.isnan(self.columns[name][self.rows])
-            doubtful |= there & ~np.isfinite(slopes[:, self.rows].sum(axis=0))
-        self.doubtful[self.rows] = doubtful
-
-    def in_order(self, places: Integers) -> Self:
-        """Return the table with its rows at other places."""
-        table = super().in_order(places)
-        table.doubtful = np.empty_like(self.doubtful)
-        table.doubtful[places] = self.doubtful
-        table.slopes = {name: np.empty_like(slopes) for name, slopes in self.slopes.items()}
-        for name, slopes in self.slopes.items():
-            table.slopes[name][:, places] = slopes
-        return table
-
-
 # --- inputs ---------------------------------------------------------------------------------------
 
 
@@ -249,13 +207,13 @@ def _later(time: Any, state: Any, speeds: Sequence[Any], late: Any) -> Start:
 class SlopeColumns(Columns):
     """The run of a chain over the rows of a table, in jets."""
 
-    table: SlopeTable = field(kw_only=True)
-    jets: ColumnJets = field(kw_only=True)
-    engine: Any  # `longball.engines.batch.Batch`
+    inputs: int = field(kw_only=True)  # that derivatives are taken by
+    slopes: Table = field(init=False)  # columns of shape (inputs, rows); `alone` is for them
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        self.numbers = self.jets
+        self.slopes = Table(len(self.table))
+        self.numbers = self.jets = ColumnJets(NUMBERS, self.slopes.alone)
 
     def decide(self, x: Any, error: Any, question: str, rows: Flags) -> tuple[Flags, Flags]:
         """See `Columns`."""
@@ -269,9 +227,19 @@ class SlopeColumns(Columns):
                 self.record(f"{name}[{i}]", x, rows)
             return
         super().record(name, plain_of(value), rows)
-        if isinstance(value, Jet) and rows.any():
-            slopes = self.table.slopes_of(name)[:, self.table.rows]
-            np.copyto(slopes, rate_of(value), where=rows)
+        if isinstance(value, Jet):
+            self.slopes.put(name, rows, self.rates(value))
+
+    def rates(self, x: Any) -> Array:
+        """Return derivatives in the shape of a column of slopes."""
+        return np.broadcast_to(rate_of(x), (self.inputs, len(self.table)))
+
+    def conclude_doubt(self) -> None:
+        """Leave the rows without an answer, or without a derivative, to be solved alone."""
+        self.jets.doubt(self.table.outcome < 0)
+        for name, slopes in self.slopes.columns.items():
+            there = ~np.isnan(self.table.columns[name])
+            self.jets.doubt(there & ~np.isfinite(slopes.sum(axis=0)))
 
     def flights(self, law: Law, stops: Any, end: Start, launch: Start, mark: Start) -> JetFlights:
         """See `Columns`."""
@@ -286,40 +254,28 @@ class SlopeColumns(Columns):
         limit: Any,
         rows: Flags,
         bat: Bat | None = None,
-    ) -> Flown:
+        changes: Sequence[Array] = (),
+    ) -> Records:
         """Fly the rows of a mask, with derivatives at fixed times; see `Columns._flown`."""
         # The lanes fly plain numbers, by the same records as without derivatives: same bits.
         plain, state = _plain_law(law), start.state
         still = Start(plain_of(start.time), type(state)(*map(plain_of, state)))
         known = [_plain_event(event) for event in events]
         met = None if bat is None else Bat(_plain_section(bat.section), plain_of(bat.error))
-        rates = np.full((TIMES, len(plain.variables), self.table.inputs, len(rows)), math.nan)
+        # dp/dx of (1) in `tangents`, and ξ where the flight starts
+        strengths = records.in_lanes(law).strengths
+        sources = [*map(strengths.get, records.in_lanes(plain).program.parameters), *state]
+        rates = [*map(self.rates, sources)]
+        return super()._flown(plain, still, known, plain_of(limit), rows, met, rates)
 
-        def fly(begun: Any, program: Program) -> Any:
-            # dp/dx of (1) in `tangents`, and ξ where the flight starts
-            strengths = records.in_lanes(law).strengths
-            sources = [*state, *(strengths[name] for name in program.parameters)]
-            changes = np.empty((len(sources), self.table.inputs, begun.size))
-            flown: Any = slice(begun.size) if begun.ndim == 0 or rows.all() else rows
-            for change, x in zip(changes, sources, strict=True):
-                rate = np.broadcast_to(rate_of(x), (self.table.inputs, len(rows)))
-                change[...] = rate[:, flown]
-            ends, some = self.engine.fly_all_with_tangents(begun, program, changes)
-            rates[..., rows if flown is rows else slice(None)] = some
-            return ends
-
-        ends = self._flown_by(fly, plain, still, known, plain_of(limit), rows, met)
-        return Flown(ends, rates)
-
-    def _noted(self, flown: Flown, law: Law, prefix: str = "") -> Start:
+    def _noted(self, ends: Records, law: Law, prefix: str = "") -> Start:
         """See `Columns`; the times are fixed."""
-        time, state = records.noted(flown.ends, law, prefix)
-        rates = flown.rates[flights.PREFIXES.index(prefix)]
-        return Start(time, type(state)(*map(ColumnJet, state, rates)))
+        time, state = records.noted(ends, law, prefix)
+        return Start(time, type(state)(*map(ColumnJet, state, records.rates_of(ends, prefix))))
 
-    def _arrived(self, flown: Flown, law: Law, events: Events, limit: Any, rows: Flags) -> Start:
+    def _arrived(self, ends: Records, law: Law, events: Events, limit: Any, rows: Flags) -> Start:
         """See `Columns`; an event, a zero of g, moves by ``dt/dx = -(∂g/∂x)/ġ``."""
-        plain, stop, end = _plain_law(law), flown.ends["stop"], self._noted(flown, law)
+        plain, stop, end = _plain_law(law), ends["stop"], self._noted(ends, law)
         speeds = plain.rates(NUMBERS)(*map(plain_of, end.state))
         late: Any = np.where(stop == Stop.TIME_LIMIT, rate_of(limit), 0.0)
         for i, event in enumerate(events):
@@ -333,8 +289,8 @@ class SlopeColumns(Columns):
         time, moved = _later(end.time, end.state, speeds, late)
 
         # A flight that ends at its start continues after the least change: that is a corner.
-        starts = (stop != Stop.TIME_LIMIT) & (flown.ends["time"] == 0.0)
-        self.jets.doubt(rows & (starts | (flown.ends["steps"] > _MOST_STEPS)))
+        starts = (stop != Stop.TIME_LIMIT) & (ends["time"] == 0.0)
+        self.jets.doubt(rows & (starts | (ends["steps"] > _MOST_STEPS)))
         return Start(time, records.placed(stop, moved, events, self.jets))
 
     def _require_steep(self, falls: Any, across: Any, change: Any, rows: Flags) -> None:
@@ -343,18 +299,18 @@ class SlopeColumns(Columns):
         self.jets.doubt(rows & ~steep & np.any(change != 0, axis=0))
 
     def _touched_at(
-        self, flown: Flown, law: Law, bat: BatSection, touch: Touch, rows: Flags
+        self, ends: Records, law: Law, bat: BatSection, touch: Touch, rows: Flags
     ) -> Touch:
         """See `Columns`."""
         code: Any = touch.touched
         # where the margin is taken: to first order, it does not change with the time of that
-        distance = bat.distance(self._noted(flown, law, "nearest_").state, self.jets)
+        distance = bat.distance(self._noted(ends, law, "nearest_").state, self.jets)
         margin = ColumnJet(touch.margin, rate_of(bat.reach - distance))
         self.jets.doubt(rows & (plain_of(distance) <= ON_THE_AXIS * plain_of(bat.reach)))
 
         # the touching, where half the square of the distance falls at the rate d·v
-        time, touching = records.noted(flown.ends, law)
-        marked = self._noted(flown, law, "mark_").state
+        time, touching = records.noted(ends, law)
+        marked = self._noted(ends, law, "mark_").state
         state = type(touching)(*map(ColumnJet, touching, map(rate_of, marked)))
         falls = _plain_section(bat).approach(touching)
         change = 0.5 * rate_of(bat.outside(state))

@@ -128,7 +128,8 @@ class _Collocation(Writer):
 
     def __init__(self, module: Any, program: Program) -> None:
         super().__init__(module, "tangents", LANES)
-        self.array, self.memory, self.order, self.stride, self.count, times = self.arguments
+        self.array, self.memory = self.arrays
+        self.order, self.stride, self.count, times = self.numbers
         self.program, self.system = program, Tangents(program)
         self.nodes, self.unknown = self.system.nodes, self.system.unknown
         self.variables = len(program.variables)
@@ -140,87 +141,67 @@ class _Collocation(Writer):
             self.tables[name] = ir.GlobalVariable(module, kind, name)
             self.tables[name].global_constant = True
             self.tables[name].initializer = ir.Constant(kind, values.ravel().tolist())
-        last = self.builder.sub(self.builder.fptosi(times, INDEX), self.index(1))
+        last = times.to("fptosi", INDEX) - 1
 
         def part(chunk: Value, _: Sequence[Value]) -> list[Value]:
             self.chunk = chunk
             given: Values = {}  # the same along a flight
-            block = len(recurrence(program).rows)
+            start = self.stride * len(recurrence(program).rows)
             self.evaluate(
                 (node for node in self.system.partials.nodes if node.static),
-                lambda x: self.expanded(block, self.index(program.parameters.index(x.args[0]))),
+                lambda x: self.array[self.place(start + program.parameters.index(x.args[0]))],
                 given,
             )
             # the end last: it takes the place of the beginning
-            until = self.builder.add(last, self.index(1))
-            self.repeat(0, until, [], lambda i, _: self.advance(self.builder.sub(last, i), given))
+            self.repeat(0, last + 1, [], lambda i, _: self.advance(last - i, given))
             return []
 
         self.repeat(0, PARTS, [], part)
-        self.builder.ret(self.index(0))
+        self.build.ret(self.index(0).code)
 
     # --- places ---
 
-    def constant(self, name: str, k: Value, j: Value | None = None) -> Value:
+    def constant(self, name: str, k: Value) -> Value:
         """Return a constant in every lane."""
-        if j is not None:
-            k = self.row(k, self.nodes, j)
-        return self.spread(self.builder.load(self.builder.gep(self.tables[name], [INDEX(0), k])))
-
-    def row(self, k: Value, size: int, more: Value | int = 0) -> Value:
-        """Return ``k size + more``."""
-        return self.builder.add(self.builder.mul(k, self.index(size)), self.index(more))
+        place = self.build.gep(self.tables[name], [INDEX(0), k.code])
+        return self.spread(Value(self.build, self.build.load(place)))
 
     def place(self, row: Value) -> Value:
         """Index of a row for the present lanes."""
-        return self.row(row, PARTS, self.chunk)
-
-    def expanded(self, block: int, row: Value) -> Value:
-        """Return a row of a block of the expansion."""
-        start = self.builder.mul(self.index(block), self.stride)
-        return self.load(self.array, self.place(self.builder.add(start, row)))
+        return row * PARTS + self.chunk
 
     def of_tangent(self, tangent: Value, row: Value | int) -> Value:
         """Index of a row of a tangent: dp/dx, and ξ at the times."""
-        start = self.row(tangent, self.system.size, self.system.first)
-        return self.place(self.builder.add(start, self.index(row)))
+        return self.place(tangent * self.system.size + self.system.first + row)
 
     def scratch(self, row: Value) -> Value:
         """Index of a row of `Tangents`, which has the numbers of the present lanes only."""
-        return self.builder.add(self.index(self.system.scratch * PARTS), row)
+        return row + self.system.scratch * PARTS
 
     def block(self, a: Value, b: Value) -> list[list[Value]]:
         """Indices of the numbers of a block of the matrix."""
         size = len(self.unknown)
-        start = self.row(self.row(a, self.nodes, b), size * size, self.system.matrix)
-        start = self.scratch(start)
-        return [
-            [self.builder.add(start, self.index(size * i + j)) for j in range(size)]
-            for i in range(size)
-        ]
+        start = self.scratch((a * self.nodes + b) * (size * size) + self.system.matrix)
+        return [[start + (size * i + j) for j in range(size)] for i in range(size)]
 
-    def slope(self, k: Value, i: int, j: int) -> Value:
+    def slope(self, k: Value, i: int, j: int) -> Any:
         """Return ``∂f_i/∂x_j`` at a time; None if it is always zero."""
         if (i, j) not in self.system.entry:
             return None
-        row = self.row(k, len(self.system.entry), self.system.entry[i, j])
-        return self.load(self.memory, self.scratch(row))
+        return self.memory[self.scratch(k * len(self.system.entry) + self.system.entry[i, j])]
 
     def forces(self, k: Value) -> list[Value]:
         """Indices of F at a time."""
-        start = self.scratch(self.row(k, len(self.unknown), self.system.forces))
-        return [self.builder.add(start, self.index(i)) for i in range(len(self.unknown))]
+        start = self.scratch(k * len(self.unknown) + self.system.forces)
+        return [start + i for i in range(len(self.unknown))]
 
     # --- the integration ---
 
     def advance(self, at: Value, given: Values) -> list[Value]:
         """Integrate all tangents up to one of the times, if any of the flights has it."""
-        build = self.builder
-        length = self.load(self.memory, self.place(at))
-        wanted = build.fcmp_ordered("==", length, length)
-        some = build.icmp_signed(
-            "!=", build.bitcast(wanted, ir.IntType(LANES)), ir.IntType(LANES)(0)
-        )
+        length = self.memory[self.place(at)]
+        wanted = length.equals(length).to("bitcast", ir.IntType(LANES))
+        some = self.build.icmp_signed("!=", wanted.code, ir.IntType(LANES)(0))
 
         def go(_: Value, __: Sequence[Value]) -> list[Value]:
             self.repeat(0, self.nodes, [], lambda k, _: self.put_slopes(k, length, dict(given)))
@@ -228,36 +209,39 @@ class _Collocation(Writer):
             self.repeat(0, self.count, [], lambda i, _: self.carry(i, at, length))
             return []
 
-        return self.repeat(0, build.zext(some, INDEX), [], go)
+        return self.repeat(0, Value(self.build, some).to("zext", INDEX), [], go)
 
     def put_slopes(self, k: Value, length: Value, values: Values) -> list[Value]:
         """Evaluate the partial derivatives at a time of the step."""
-        system, build = self.system, self.builder
-        t = self.multiply(length, self.constant("c", k))
+        system = self.system
+        t = length * self.constant("c", k)
         moving = [n for n in system.partials.nodes if not n.static]
         used = [n for n in moving if n.kind == "variable"]
         places = [self.program.variables.index(n.args[0]) for n in used]
+
+        def coefficient(i: int, power: Value) -> Value:
+            return self.array[self.place(self.stride * i + power)]
+
         # Positions are known to one order more.
-        last = build.add(self.order, self.index(1))
-        begin = [self.expanded(i, last) if i in system.mover else self.number(0.0) for i in places]
+        zero = self.number(0.0)
+        begin = [coefficient(i, self.order + 1) if i in system.mover else zero for i in places]
 
         def term(m: Value, totals: list[Value]) -> list[Value]:
-            down = build.sub(self.order, m)
             return [
-                self.fma(total, t, self.expanded(i, down))
+                self.fma(total, t, coefficient(i, self.order - m))
                 for i, total in zip(places, totals, strict=True)
             ]
 
         totals = self.repeat(0, self.order, begin, term)
-        starts = [self.load(self.memory, self.place(self.index(TIMES + i))) for i in places]
+        starts = [self.memory[self.place(self.index(TIMES + i))] for i in places]
         state = {
             node: self.fma(total, t, start)
             for node, total, start in zip(used, totals, starts, strict=True)
         }
         self.evaluate(moving, state.__getitem__, values)
         for (i, j), n in system.entry.items():
-            row = self.scratch(self.row(k, len(system.entry), n))
-            self.store(self.memory, row, values[system.slopes[i][j]])
+            row = self.scratch(k * len(system.entry) + n)
+            self.memory[row] = values[system.slopes[i][j]]
         return []
 
     def eliminate(self, a: Value, length: Value) -> list[Value]:
@@ -266,16 +250,13 @@ class _Collocation(Writer):
         The unit matrix is in it: h A a is about 0.1, and there is no need to choose pivots. Of the
         diagonal blocks of U the inverses are kept.
         """
-        build, size = self.builder, len(self.unknown)
-        square = self.multiply(length, length)
+        size, square = len(self.unknown), length * length
 
         def reduced(b: Value, until: Value) -> list[list[Value]]:
             """Return a block of the matrix, less the products of those of L and U before."""
-            once = self.multiply(length, self.constant("a", a, b))
-            twice = self.multiply(square, self.constant("b", a, b))
-            same = self.builder.select(
-                build.icmp_signed("==", a, b), self.number(1.0), self.number(0.0)
-            )
+            once = length * self.constant("a", a * self.nodes + b)
+            twice = square * self.constant("b", a * self.nodes + b)
+            same = a.equals(b).select(self.number(1.0), self.number(0.0))
             begin = []
             for i in self.unknown:
                 for j in self.unknown:
@@ -285,7 +266,7 @@ class _Collocation(Writer):
                     for source, factor in through:
                         slope = self.slope(a, i, source)
                         if slope is not None:
-                            total = self.fma(build.fneg(slope), factor, total)
+                            total = self.fma(-slope, factor, total)
                     begin.append(total)
 
             def product(p: Value, totals: list[Value]) -> list[Value]:
@@ -311,20 +292,19 @@ class _Collocation(Writer):
 
         self.repeat(0, a, [], lower)
         self.keep(self.block(a, a), _inverse(self, reduced(a, a)))
-        self.repeat(build.add(a, self.index(1)), self.nodes, [], upper)
+        self.repeat(a + 1, self.nodes, [], upper)
         return []
 
     def carry(self, tangent: Value, at: Value, length: Value) -> list[Value]:
         """Solve (2) for a tangent, and write it at the time."""
-        build, system = self.builder, self.system
-        parameters = len(self.program.parameters)
+        system, parameters = self.system, len(self.program.parameters)
 
         def known(row: int) -> Value:
-            return self.load(self.memory, self.of_tangent(tangent, row))
+            return self.memory[self.of_tangent(tangent, row)]
 
         # of an integral, what it would gain with its rate as it begins
         start = [known(parameters + i) for i in range(self.variables)]
-        drift = {x: self.multiply(length, start[mover]) for x, mover in system.mover.items()}
+        drift = {x: length * start[mover] for x, mover in system.mover.items()}
 
         def forwards(k: Value, _: list[Value]) -> list[Value]:
             c = self.constant("c", k)
@@ -341,11 +321,10 @@ class _Collocation(Writer):
             return []
 
         def backwards(m: Value, sums: list[Value]) -> list[Value]:
-            k = build.sub(self.index(self.nodes - 1), m)
+            k = self.index(self.nodes - 1) - m
             (totals,) = self.loaded([self.forces(k)])
-            after = build.add(k, self.index(1))
             totals = self.repeat(
-                after, self.nodes, totals, lambda p, so_far: self.through(k, p, so_far)
+                k + 1, self.nodes, totals, lambda p, so_far: self.through(k, p, so_far)
             )
             inverse = self.loaded(self.block(k, k))
             ((*force,),) = _product(self, [totals], [*map(list, zip(*inverse, strict=True))])
@@ -366,14 +345,13 @@ class _Collocation(Writer):
         once, twice = (
             dict(zip(self.unknown, sums[n:], strict=False)) for n in (0, len(self.unknown))
         )
-        first = self.row(at, self.variables, parameters)
+        first = at * self.variables + parameters
         for i, x in enumerate(start):
             if i in drift:
                 change = self.fma(twice[system.mover[i]], length, start[system.mover[i]])
             else:
                 change = once[i]
-            row = build.add(first, self.index(i))
-            self.store(self.memory, self.of_tangent(tangent, row), self.fma(change, length, x))
+            self.memory[self.of_tangent(tangent, first + i)] = self.fma(change, length, x)
         return []
 
     def through(self, k: Value, p: Value, totals: list[Value]) -> list[Value]:
@@ -386,18 +364,18 @@ class _Collocation(Writer):
 
     def loaded(self, places: Sequence[Sequence[Value]]) -> list[list[Value]]:
         """Return numbers from the memory."""
-        return [[self.load(self.memory, place) for place in row] for row in places]
+        return [[self.memory[place] for place in row] for row in places]
 
     def keep(self, places: Sequence[Sequence[Value]], values: Sequence[Sequence[Value]]) -> None:
         """Write numbers into the memory."""
         for row, numbers in zip(places, values, strict=True):
             for place, x in zip(row, numbers, strict=True):
-                self.store(self.memory, place, x)
+                self.memory[place] = x
 
     def less(self, total: Value, row: Sequence[Value], column: Sequence[Value]) -> Value:
         """Return a number less the product of a row and a column."""
         for x, y in zip(row, column, strict=True):
-            total = self.fma(self.builder.fneg(x), y, total)
+            total = self.fma(-x, y, total)
         return total
 
 
@@ -407,7 +385,7 @@ def _product(
     """Return the product of two matrices."""
     product = []
     for row in a:
-        totals = [code.multiply(row[0], x) for x in b[0]]
+        totals = [row[0] * x for x in b[0]]
         for x, others in zip(row[1:], b[1:], strict=True):
             totals = [code.fma(x, y, total) for y, total in zip(others, totals, strict=True)]
         product.append(totals)
@@ -418,12 +396,12 @@ def _inverse(code: Writer, matrix: Sequence[Sequence[Value]]) -> list[list[Value
     """Return the inverse of a matrix near the unit matrix, by Gauss and Jordan's elimination."""
     a = [[*row] for row in matrix]
     for p in range(len(a)):
-        pivot = code.divide(code.number(1.0), a[p][p])
+        pivot = code.number(1.0) / a[p][p]
         a[p][p] = code.number(1.0)
-        a[p] = [code.multiply(x, pivot) for x in a[p]]
+        a[p] = [x * pivot for x in a[p]]
         for i in range(len(a)):
             if i != p:
-                factor = code.builder.fneg(a[i][p])
+                factor = -a[i][p]
                 a[i][p] = code.number(0.0)
                 a[i] = [code.fma(factor, x, y) for x, y in zip(a[p], a[i], strict=True)]
     return a

@@ -20,9 +20,6 @@ from longball.engines.compiled import stored
 from longball.model.arrays import Array
 from longball.model.trace import Node, Program
 
-Value = Any  # of LLVM: a number in each lane
-Values = dict[Node, Value]
-
 # Two registers of eight doubles hide the latency of a fused multiply-add where there is AVX-512;
 # elsewhere sixteen are spread over more registers, at no loss against eight.
 WIDTH = 16
@@ -43,6 +40,93 @@ INDEX = ir.IntType(64)
 DOUBLE = ir.DoubleType()
 
 
+def _operator(of_integers: str, of_numbers: str) -> Callable[[Value, Value | float], Value]:
+    """Return an operator that writes one instruction of LLVM, by the type of its operands."""
+
+    def write(self: Value, other: Value | float) -> Value:
+        name = of_integers if self.is_whole else of_numbers
+        return Value(self.build, getattr(self.build, name)(self.code, self.same(other).code))
+
+    return write
+
+
+def _comparison(symbol: str) -> Callable[[Value, Value | float], Value]:
+    """Return a comparison; of numbers it fails for NaN."""
+
+    def write(self: Value, other: Value | float) -> Value:
+        build = self.build
+        compare = build.icmp_signed if self.is_whole else build.fcmp_ordered
+        return Value(build, compare(symbol, self.code, self.same(other).code))
+
+    return write
+
+
+class Value:
+    """A number or a flag in each lane, or an index that all lanes share, in code being written.
+
+    Operators write instructions; numbers of Python are constants.
+    """
+
+    def __init__(self, build: Any, code: Any) -> None:
+        self.build, self.code = build, code
+
+    @property
+    def is_whole(self) -> bool:
+        """True if it is an index, or has an integer in each lane."""
+        return bool(getattr(self.code.type, "element", self.code.type) == INDEX)
+
+    def same(self, x: Value | float) -> Value:
+        """Return a value, or a number of Python as one of the type of this value."""
+        if isinstance(x, Value):
+            return x
+        kind = self.code.type
+        if isinstance(kind, ir.VectorType):
+            return Value(self.build, ir.Constant(kind, [ir.Constant(kind.element, x)] * kind.count))
+        return Value(self.build, ir.Constant(kind, x))
+
+    __add__ = __radd__ = _operator("add", "fadd")
+    __sub__ = _operator("sub", "fsub")
+    __mul__ = __rmul__ = _operator("mul", "fmul")
+    __truediv__ = _operator("sdiv", "fdiv")
+    __rshift__ = _operator("ashr", "ashr")
+    __and__ = _operator("and_", "and_")
+    __or__ = _operator("or_", "or_")
+    __lt__, __gt__, equals = _comparison("<"), _comparison(">"), _comparison("==")
+
+    def differs(self, x: float) -> Value:
+        """Return flags of the lanes with another number, or NaN."""
+        different = self.build.fcmp_unordered("!=", self.code, self.same(x).code)
+        return Value(self.build, different)
+
+    def __neg__(self) -> Value:
+        return Value(self.build, self.build.fneg(self.code))
+
+    def select(self, yes: Value, no: Value) -> Value:
+        """Return `yes` where this flag is set, else `no`."""
+        return Value(self.build, self.build.select(self.code, yes.code, no.code))
+
+    def to(self, conversion: str, kind: Any) -> Value:
+        """Return the value in another type of LLVM, by the name of a conversion."""
+        return Value(self.build, getattr(self.build, conversion)(self.code, kind))
+
+
+class Rows:
+    """An array in the code being written; a row has a number for each lane."""
+
+    def __init__(self, build: Any, pointer: Any) -> None:
+        self.build, self.pointer = build, pointer
+
+    def __getitem__(self, row: Value) -> Value:
+        place = self.build.gep(self.pointer, [row.code])
+        return Value(self.build, self.build.load(place, align=8))
+
+    def __setitem__(self, row: Value, value: Value) -> None:
+        self.build.store(value.code, self.build.gep(self.pointer, [row.code]), align=8)
+
+
+Values = dict[Node, Value]
+
+
 class Writer:
     """Writes a function whose values are a double in each of some lanes.
 
@@ -54,35 +138,28 @@ class Writer:
         self.type = ir.VectorType(DOUBLE, lanes)
         arguments = [self.type.as_pointer()] * 2 + [INDEX] * 3 + [DOUBLE]
         self.function = ir.Function(module, ir.FunctionType(INDEX, arguments), name)
-        self.arguments = self.function.args
-        self.builder = build = ir.IRBuilder(self.function.append_basic_block())
-        self.add, self.subtract = build.fadd, build.fsub
-        self.multiply, self.divide = build.fmul, build.fdiv
+        self.build = build = ir.IRBuilder(self.function.append_basic_block())
+        first, second, *numbers = self.function.args
+        self.arrays = Rows(build, first), Rows(build, second)
+        self.numbers = [Value(build, number) for number in numbers]
 
     def number(self, value: float) -> Value:
         """Return a number, the same in every lane."""
-        return ir.Constant(self.type, [ir.Constant(DOUBLE, value)] * self.lanes)
-
-    def spread(self, scalar: Value) -> Value:
-        """Return a double or an integer in every lane."""
-        if scalar.type == INDEX:
-            scalar = self.builder.sitofp(scalar, DOUBLE)
-        nothing = ir.Constant(self.type, ir.Undefined)
-        first = self.builder.insert_element(nothing, scalar, ir.Constant(ir.IntType(32), 0))
-        every = ir.Constant(ir.VectorType(ir.IntType(32), self.lanes), [0] * self.lanes)
-        return self.builder.shuffle_vector(first, nothing, every)
+        return Value(self.build, ir.Constant(self.type, ir.Undefined)).same(value)
 
     def index(self, value: Value | int) -> Value:
         """Return an integer that indexes rows; it may be a value already."""
-        return ir.Constant(INDEX, value) if isinstance(value, int) else value
+        return self.numbers[0].same(value)
 
-    def load(self, array: Value, index: Value) -> Value:
-        """Return a row of an array."""
-        return self.builder.load(self.builder.gep(array, [index]), align=8)
-
-    def store(self, array: Value, index: Value, value: Value) -> None:
-        """Write a row of an array."""
-        self.builder.store(value, self.builder.gep(array, [index]), align=8)
+    def spread(self, scalar: Value) -> Value:
+        """Return a double or an integer in every lane."""
+        if scalar.code.type == INDEX:
+            scalar = scalar.to("sitofp", DOUBLE)
+        nothing = ir.Constant(self.type, ir.Undefined)
+        place = ir.Constant(ir.IntType(32), 0)
+        first = self.build.insert_element(nothing, scalar.code, place)
+        every = ir.Constant(ir.VectorType(ir.IntType(32), self.lanes), [0] * self.lanes)
+        return Value(self.build, self.build.shuffle_vector(first, nothing, every))
 
     def call(self, name: str, *arguments: Value) -> Value:
         """Call a function of LLVM: fma, sqrt, exp, log, fabs."""
@@ -90,15 +167,11 @@ class Writer:
         full = f"llvm.{name}.v{self.lanes}f64"
         known = self.function.module.globals
         function = known[full] if full in known else ir.Function(self.function.module, shape, full)
-        return self.builder.call(function, arguments)
+        return Value(self.build, self.build.call(function, [x.code for x in arguments]))
 
     def fma(self, a: Value, b: Value, c: Value) -> Value:
         """Return ``a b + c``, rounded once."""
         return self.call("fma", a, b, c)
-
-    def choose(self, a: Value, comparison: str, b: Value, yes: Value, no: Value) -> Value:
-        """Return `yes` in the lanes where a comparison holds, else `no`; it fails for NaN."""
-        return self.builder.select(self.builder.fcmp_ordered(comparison, a, b), yes, no)
 
     def repeat(
         self,
@@ -111,20 +184,19 @@ class Writer:
 
         `body` takes i and the carried values, and returns those for the next i.
         """
-        build, entry = self.builder, self.builder.block
+        build, entry = self.build, self.build.block
         head, inside, after = (self.function.append_basic_block() for _ in range(3))
         build.branch(head)
         build.position_at_end(head)
-        i = build.phi(INDEX)
-        i.add_incoming(self.index(begin), entry)
-        values = [build.phi(value.type) for value in carried]
-        for phi, value in zip(values, carried, strict=True):
-            phi.add_incoming(value, entry)
-        build.cbranch(build.icmp_signed("<", i, self.index(end)), inside, after)
+        phis = [build.phi(INDEX), *(build.phi(self.type) for _ in carried)]
+        i, *values = (Value(build, phi) for phi in phis)
+        starts = [self.index(begin), *carried]
+        build.cbranch((i < end).code, inside, after)
         build.position_at_end(inside)
-        for phi, value in zip(values, body(i, values), strict=True):
-            phi.add_incoming(value, build.block)
-        i.add_incoming(build.add(i, self.index(1)), build.block)
+        following = body(i, values)
+        for phi, start, value in zip(phis, starts, [i + 1, *following], strict=True):
+            phi.add_incoming(start.code, entry)
+            phi.add_incoming(value.code, build.block)
         build.branch(head)
         build.position_at_end(after)
         return values
@@ -151,27 +223,28 @@ class Writer:
                 value = self.combination(node, values, values)
                 rest = node.args[0]
                 zero = rest.kind == "constant" and rest.args[0] == 0.0
-                return value if zero else self.add(value, values[rest])
+                return value if zero else value + values[rest]
             case "plus":
-                return self.add(*(values[x] for x in node.args))
+                return values[node.args[0]] + values[node.args[1]]
             case "product":
-                return self.multiply(*(values[x] for x in node.args))
+                return values[node.args[0]] * values[node.args[1]]
             case "quotient":
-                return self.divide(*(values[x] for x in node.args))
+                return values[node.args[0]] / values[node.args[1]]
             case _:
                 return self.call(node.kind, values[node.args[0]])
 
     def combination(self, node: Node, values: Values, coefficients: Values) -> Value:
         """Return a sum without its constant."""
-        total = None
+        total: Value | None = None
         for coefficient, x in node.args[1:]:
             known = coefficient.args[0] if coefficient.kind == "constant" else None
             if known == 1.0:
-                total = values[x] if total is None else self.add(total, values[x])
+                total = values[x] if total is None else total + values[x]
             elif total is None:
-                total = self.multiply(coefficients[coefficient], values[x])
+                total = coefficients[coefficient] * values[x]
             else:
                 total = self.fma(coefficients[coefficient], values[x], total)
+        assert total is not None
         return total
 
 
