@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
+from longball.engines.chain import solve
+from longball.engines.ivp import Ivp
 from longball.golden import load
 from longball.home_run import draw, paper_at_bats, scenes
 from longball.judge.answers import Answer, Collector
@@ -18,7 +20,6 @@ from longball.judge.diagnosis.chain import Stage
 from longball.judge.diagnosis.residual import Data, Followed, compared, data_of, follow
 from longball.judge.quantities import told_by, values_of
 from longball.model.readings import SamplingReading
-from longball.model.result import Result
 from longball.model.scene import (
     AtBatScene,
     FlightScene,
@@ -104,9 +105,15 @@ def off(stage: Stage, data: Data, columns: Any) -> Followed:
     return compared(stage, data, columns, np.flatnonzero(np.isin(columns["kind"], stage.scenes)))[0]
 
 
-def collected(cases, results: list[Result]) -> Collector:
-    """Return results as a candidate's lines of JSON would arrive."""
+def collected(cases: Iterable[Any], answers: Iterable[Mapping[str, Any]]) -> Collector:
+    """Return answers to cases or scenes as a candidate's lines of JSON would arrive."""
     collector = Collector([case.id for case in cases])
-    for number, result in enumerate(results, 1):
-        collector.take_line(number, json.dumps(json.loads(result.line())).encode())
+    for number, answer in enumerate(answers, 1):
+        collector.take_line(number, json.dumps(answer).encode())
     return collector
+
+
+def answered(scene: Any) -> dict[str, Any]:
+    """Return the ivp engine's answer to a scene."""
+    answer: dict[str, Any] = json.loads(solve(scene, Ivp()).line())
+    return answer

@@ -17,8 +17,6 @@ from typing import Any
 import numpy as np
 import pytest
 
-from longball.engines.chain import solve
-from longball.engines.ivp import Ivp
 from longball.golden import load
 from longball.judge.answers import Answer
 from longball.judge.cases import Case, decidable
@@ -33,7 +31,7 @@ from longball.judge.diagnosis.search import Named, defaults
 from longball.judge.quantities import values_of
 from longball.model.scene import parse_scene
 from tests.judge import material
-from tests.judge.material import collected, known, truth
+from tests.judge.material import answered, collected, known, truth
 
 NIGHTLY = pytest.mark.nightly
 
@@ -43,12 +41,11 @@ Read = Callable[[dict[str, Any]], object]
 
 
 def diagnosed(cases: Sequence[Case], read: Read, **options: Any) -> Diagnosis:
-    results = []
-    for case in cases:
-        scene = json.loads(case.scene.as_written())
+    scenes = [json.loads(case.scene.as_written()) for case in cases]
+    for scene in scenes:
         read(scene)
-        results.append(solve(parse_scene(json.dumps(scene)), Ivp()))
-    return diagnose(cases, collected(cases, results).answers, **options)
+    answers = (answered(parse_scene(json.dumps(scene))) for scene in scenes)
+    return diagnose(cases, collected(cases, answers).answers, **options)
 
 
 def as_it_is(scene: dict[str, Any]) -> None:

@@ -43,6 +43,12 @@ def command(source: Path, folder: Path) -> list[str]:
             return [str(program)]
 
 
+def truths(count: int = 14) -> list[Known]:
+    """Cases for programs that know no defaults; their truth is the ivp engine's."""
+    drawn = [*at_bats(count), *flights(), *impacts(), *pitches()]
+    return solved([*map(written_out, drawn)], Ivp())
+
+
 def evaluate(judge: Judge, program: list[str]) -> Evaluation:
     return judge.evaluate_command(program, GENEROUS)
 
@@ -65,9 +71,7 @@ def test_they_know_nothing_of_longball(name: str):
 @pytest.mark.parametrize("name", NAMES)
 @pytest.mark.sampled(every=6)
 def test_the_printed_scheme_passes_as_such(name: str, dt: float, tmp_path: Path):
-    drawn = [*at_bats(150 if dt == 0.05 else 40), *flights(), *impacts(), *pitches()]
-    scenes = [*map(written_out, drawn)]  # they know no defaults
-    cases = solved(scenes, Ivp())
+    cases = truths(150 if dt == 0.05 else 40)
     judge = Judge(cases, profile("paper", dt=dt), partial=True)
     evaluation = evaluate(judge, [*command(FOLDER / name, tmp_path), "--dt", str(dt)])
     assert evaluation.verdict.passed, render(evaluation.verdict)
@@ -99,8 +103,7 @@ def test_a_mistake_in_the_source_is_named_beside_the_scheme(
     source = tmp_path / name
     source.write_text(text.replace(right, wrong), encoding="utf-8")
     # At 5 ms the bat is met in most at-bats, so that there is something to see.
-    scenes = [*at_bats(20), *flights(), *impacts(), *pitches()]
-    judge = Judge(solved(scenes, Ivp()), profile("paper", dt=0.005))
+    judge = Judge(truths(20), profile("paper", dt=0.005))
     verdict = evaluate(judge, [*command(source, tmp_path), "--dt", "0.005"]).verdict
     assert verdict.diagnosis is not None
     named = [f for f in verdict.diagnosis.findings if f.kind == "named"]
@@ -125,7 +128,6 @@ def test_against_the_truth_its_mistakes_are_told_from_its_scheme(
     dt: float,
     edits: list[tuple[str, str]],
     mistakes: list[str],
-    cases: list[Known],
     tmp_path: Path,
 ):
     text = (FOLDER / "paper_verlet.py").read_text(encoding="utf-8")
@@ -134,7 +136,7 @@ def test_against_the_truth_its_mistakes_are_told_from_its_scheme(
         text = text.replace(right, wrong)
     source = tmp_path / "candidate.py"
     source.write_text(text, encoding="utf-8")
-    judge = Judge(cases, profile("converged", 1e-6))
+    judge = Judge(truths(), profile("converged", 1e-6))
     verdict = evaluate(judge, [*command(source, tmp_path), "--dt", str(dt)]).verdict
     assert verdict.diagnosis is not None
     named = [f.edit or "" for f in verdict.diagnosis.findings if f.kind == "named"]

@@ -24,7 +24,7 @@ from longball.judge.paths import landed
 from longball.judge.step_sweep import parse_knob, sweep_of
 from longball.judge.verdict import Submission, compare
 from longball.model.scene import Launch, Scene, parse_scene
-from tests.judge.material import flights, pitches
+from tests.judge.material import answered, collected, flights, pitches
 
 
 def test_random_scenes_are_the_same_for_the_same_seed_and_of_all_kinds():
@@ -45,10 +45,8 @@ def test_fresh_scenes_are_proven_and_right():
     assert all(float(case.expected.contact.normal_speed.radius) < 1e-15
                for case in cases if case.scene.kind == "impact")  # fmt: skip
     for case in cases:
-        line = solve(case.scene, Ivp()).line().encode()
-        collector = Collector([case.id])
-        collector.take_line(1, line)
-        assert compare(case, collector.answers[case.id], Exact()).passed
+        answers = collected([case], [answered(case.scene)]).answers
+        assert compare(case, answers[case.id], Exact()).passed
 
 
 def test_the_usual_constants_are_all_there():
@@ -72,11 +70,8 @@ def path_answer(scene: Scene, step: float, width: int, beyond: float = 0.05) -> 
 
 def judged(scenes: list[Scene], answers: list[dict], profile=None):
     cases = solved(scenes, Ivp())
-    collector = Collector([case.id for case in cases])
-    for number, answer in enumerate(answers, 1):
-        collector.take_line(number, json.dumps(answer).encode())
     judge = Judge(cases, profile or Converged(1e-6), diagnose=False)
-    return judge.evaluate(Submission("points", collector))
+    return judge.evaluate(Submission("points", collected(cases, answers)))
 
 
 @pytest.mark.parametrize("width", [4, 7])
@@ -101,9 +96,7 @@ def test_velocities_help_to_land_a_path_where_they_are_its_slopes(own: float, er
     for point in answer["path"]:
         point[4:] = [own * v for v in point[4:]]
     (case,) = solved([scene], Ivp())
-    collector = Collector([case.id])
-    collector.take_line(1, json.dumps(answer).encode())
-    found, slack = landed(scene, collector.answers[case.id])
+    found, slack = landed(scene, collected([case], [answer]).answers[case.id])
     place = [float(x) for x in found.values["landing.position"]]
     assert math.dist(place, [float(x) for x in case.expected.landing.position]) < error
     assert slack["landing.position"] < 100 * error
@@ -139,24 +132,6 @@ def test_what_is_no_path_is_told(points: object, why: str):
     assert any(why in str(issue) for issue in evaluation.verdict.complaints)
 
 
-def test_a_function_becomes_a_candidate():
-    def vacuum(state, parameters):
-        x, y, z, vx, vy, vz = state
-        g = parameters["gravity"]
-        times = np.linspace(0, 4, 401)
-        return np.array(
-            [times, x + vx * times, y + vy * times, z + vz * times - g / 2 * times**2]
-        ).T
-
-    scene = flights()[0].model_copy(update={"air": None})
-    impact = '{"kind": "impact", "id": "i", "incoming": {"position": [0.0696, 0, 1], "velocity": [-30, 0, 0], "bat_height": 1}}'  # noqa: E501
-    out = io.StringIO()
-    serve(vacuum, [scene.line(), impact], out)
-    answer, refused = map(json.loads, out.getvalue().splitlines())
-    assert judged([scene], [answer]).verdict.passed
-    assert "only flights and pitches" in refused["error"]
-
-
 def vacuum_at(times):
     """Return a function from a launch to its way without air, as points at given times."""
 
@@ -167,6 +142,23 @@ def vacuum_at(times):
         return np.array([t, x + vx * t, y + vy * t, z + vz * t - g / 2 * t**2]).T
 
     return fly
+
+
+def served(function, *lines: str) -> list[dict]:
+    """Return the answers of a function to scenes."""
+    out = io.StringIO()
+    serve(function, lines, out)
+    return [*map(json.loads, out.getvalue().splitlines())]
+
+
+def test_a_function_becomes_a_candidate():
+    scene = flights()[0].model_copy(update={"air": None})
+    incoming = {"position": [0.0696, 0, 1], "velocity": [-30, 0, 0], "bat_height": 1}
+    impact = json.dumps({"kind": "impact", "id": "i", "incoming": incoming})
+    vacuum = vacuum_at(lambda limit: np.linspace(0, 4, 401))
+    answer, refused = served(vacuum, scene.line(), impact)
+    assert judged([scene], [answer]).verdict.passed
+    assert "only flights and pitches" in refused["error"]
 
 
 def in_vacuum(kind: str, **blocks: object) -> Scene:
@@ -189,10 +181,8 @@ UP = {"launch": {"position": [0, 0, 1], "velocity": [0, 0, 30]}}
 )
 @pytest.mark.parametrize("last", [lambda limit: limit, lambda limit: limit - 0.01, lambda _: 8.0])
 def test_points_tell_how_a_ball_ends(scene: Scene, outcome: str, last):
-    out = io.StringIO()
     fly = vacuum_at(lambda limit: np.arange(0.0, min(last(limit), 8.0) + 1e-9, 0.01))
-    serve(fly, [scene.line()], out)
-    answer = json.loads(out.getvalue())
+    (answer,) = served(fly, scene.line())
     assert solve(scene, Ivp()).outcome == outcome
     found = judged([scene], [answer])
     assert found.verdict.passed, found.verdict.reasons
@@ -200,11 +190,9 @@ def test_points_tell_how_a_ball_ends(scene: Scene, outcome: str, last):
 
 
 def test_a_landing_after_the_time_limit_is_airborne():
-    out = io.StringIO()
     scene = in_vacuum("flight", time_limit=2.0, **UP)
-    serve(lambda state, parameters: {"time": np.float64(6.2), "position": (0, 0, 0)},
-          [scene.line()], out)  # fmt: skip
-    assert judged([scene], [json.loads(out.getvalue())]).verdict.passed
+    late = {"time": np.float64(6.2), "position": (0, 0, 0)}
+    assert judged([scene], served(lambda state, parameters: late, scene.line())).verdict.passed
 
 
 def test_scenes_and_results_as_csv(tmp_path: Path):

@@ -24,6 +24,7 @@ from longball.judge.evaluation import DEFECT, Judge, usable
 from longball.judge.quantities import QUANTITIES
 from longball.judge.verdict import Verdict
 from longball.model.scene import Scene
+from tests.judge.material import answered
 
 FAMILIES = ("impact-oblique", "flight-vacuum", "at-bat-real")
 FEW = 3  # cases of each, so that a search for causes takes a second or two
@@ -44,28 +45,11 @@ def folder(tmp_path_factory) -> Path:
     return folder
 
 
-def right(case: golden.Case) -> dict[str, Any]:
-    """Return the golden result of a case in doubles, as plain data."""
-
-    def double(value: Any) -> Any:
-        if isinstance(value, dict):
-            return (
-                float(value["value"])
-                if "value" in value
-                else {n: double(x) for n, x in value.items()}
-            )
-        return [*map(double, value)] if isinstance(value, list) else value
-
-    data: dict[str, Any] = double(json.loads(case.expected.line()))
-    return data
-
-
 def candidate(cases: list[golden.Case], edit: Edit) -> Candidate:
     """Return a program that knows the truth, but for what `edit` makes of it."""
-    answers = {}
-    for i, case in enumerate(cases):
-        answers[case.id] = json.loads(json.dumps(right(case)))
-        edit(answers[case.id], i)
+    answers = {case.id: answered(case.scene) for case in cases}
+    for i, answer in enumerate(answers.values()):
+        edit(answer, i)
     return lambda scene: answers[scene.id]
 
 
@@ -184,7 +168,7 @@ def test_a_contact_at_the_end_that_the_bat_turns_about_is_no_reason_to_break_off
 ) -> None:
     """The bat's effective mass is infinite there."""
     (case, *_) = [c for c in golden.load("at-bat-real", folder) if c.expected.impact]
-    data = right(case)
+    data = answered(case.scene)
     data["contact"]["position"][1] = case.scene.bat.length / 2
     collector = Collector([case.id])
     collector.take_line(1, line_of(case.id, data))

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import json
 import math
 from collections.abc import Callable, Iterable
+from functools import partial
 
-from longball.engines.chain import solve
 from longball.engines.ivp import Ivp
 from longball.golden import load
-from longball.judge.answers import Answer, Collector
+from longball.judge.answers import Answer
 from longball.judge.cases import solved
 from longball.judge.diagnosis.chain import I
 from longball.judge.diagnosis.diagnose import diagnose
@@ -20,7 +19,7 @@ from longball.judge.diagnosis.unseen import Unseen
 from longball.judge.fresh import moved
 from longball.model.quantities import numbers
 from longball.model.scene import Scene
-from tests.judge.material import flights, impacts, known, truth
+from tests.judge.material import answered, collected, flights, impacts, known, truth
 
 
 def test_moved_scenes_have_the_same_keys_and_other_numbers():
@@ -44,16 +43,12 @@ def test_ball_and_bat_of_a_moved_impact_still_touch():
 
 def answers(scenes: Iterable[Scene], flown: Callable[[Scene], dict]) -> dict[str, Answer]:
     asked = list(scenes)
-    collector = Collector([str(scene.id) for scene in asked])
-    for number, scene in enumerate(asked, 1):
-        told = {"id": scene.id, "outcome": "landed", "landing": flown(scene)}
-        collector.take_line(number, json.dumps(told).encode())
-    return collector.answers
+    told = ({"id": x.id, "outcome": "landed", "landing": flown(x)} for x in asked)
+    return collected(asked, told).answers
 
 
 def landed(scene: Scene) -> dict:
-    landing = solve(scene, Ivp()).landing
-    return {"time": float(landing.time), "position": [*map(float, landing.position)]}
+    return {key: answered(scene)["landing"][key] for key in ("time", "position")}
 
 
 def backwards(scene: Scene) -> dict:
@@ -82,22 +77,20 @@ def test_what_holds_by_chance_gives_way_to_what_holds_in_new_scenes():
     assert (found.stage, found.edit) == ("flight", "uses the components (-x, y, z) of dr/dt")
 
 
-def test_a_name_that_new_scenes_refute_is_withdrawn():
-    scenes = flights()
+def test_a_name_stays_unless_new_scenes_refute_it():
+    scenes = [scene.model_copy(update={"air": None}) for scene in flights()]
     cases, said = solved(scenes, Ivp()), answers(scenes, heavy)
-    (found,) = diagnose(cases, said, solve=lambda new: answers(new, heavy)).findings
-    assert (found.kind, found.edit) == ("named", "uses 9.898 for g, whatever the scene says")
-    (found,) = diagnose(cases, said, solve=lambda new: answers(new, backwards)).findings
-    assert (found.kind, found.edit) == ("nearest", None)
-    assert "but not in" in found.sentence
-
-
-def test_without_an_answer_in_new_scenes_a_name_stays():
-    scenes = flights()
-    cases, said = solved(scenes, Ivp()), answers(scenes, heavy)
-    for few in ({}, {"moved-1-0000": Answer("moved-1-0000", "missed", {})}):
-        (found,) = diagnose(cases, said, solve=lambda new, few=few: few).findings
-        assert found.kind == "named"
+    missed = {"moved-1-0000": Answer("moved-1-0000", "missed", {})}
+    (simplest, *_) = diagnose(cases, said).findings
+    for new, kind, edit in [
+        (partial(answers, flown=heavy), "named", "uses 9.898 for g, whatever the scene says"),
+        (lambda new: {}, "named", simplest.edit),
+        (lambda new: missed, "named", simplest.edit),
+        (partial(answers, flown=backwards), "nearest", None),
+    ]:
+        (found,) = diagnose(cases, said, solve=new).findings
+        assert (found.kind, found.edit) == (kind, edit)
+        assert ("but not in" in found.sentence) == (kind == "nearest")
 
 
 def test_new_scenes_refute_what_their_answers_contradict():

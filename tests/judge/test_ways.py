@@ -29,9 +29,9 @@ from tests.judge.material import known, off, truth
 
 
 @cache
-def flights(family: str = "flight-both") -> tuple[Any, Any, Data]:
+def flights(family: str = "flight-both", every: int = 6) -> tuple[Any, Any, Data]:
     """The chain of a family, the flight after the bat, and right answers."""
-    data = truth(known(family)[::3])
+    data = truth(known(family)[::every])
     chain = specialised_to(data)
     (stage,) = (stage for stage in chain if stage.name == "flight")
     return chain, stage, data
@@ -134,7 +134,7 @@ def test_errors_of_no_known_scheme_have_an_order():
 @np.errstate(all="ignore")
 @pytest.mark.parametrize(("push", "times"), [*((push, 1.0) for push in PUSHES), ("whole", 0.5)])
 def test_a_contact_force_is_named(push: Any, times: float):
-    chain, stage, right = flights("at-bat")
+    chain, stage, right = flights("at-bat", 3)
     way = Way([*VERLET.values()][1], 0.004, chord=True)
     right = replace(right, ways={"pitch": way, "touching": straight(way)})
     data, columns, one = planted(replace(way, push=push, times=times), right, chain, stage)
