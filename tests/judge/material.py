@@ -78,13 +78,21 @@ def known(*families: str) -> list[Any]:
     return [case for family in families for case in load(family) if decidable(case)]
 
 
+def right(
+    cases: Iterable[Any], change: Callable[[str, Any], Any] = lambda quantity, value: value
+) -> dict[str, Answer]:
+    """Return right answers to cases, with other values of some quantities."""
+    answers = {}
+    for case in cases:
+        values = {q: change(q, value) for q, value in values_of(case.expected).items()}
+        told = told_by(case.expected)
+        answers[case.id] = Answer(case.id, case.expected.outcome, values, told=told)
+    return answers
+
+
 def truth(cases: Sequence[Any]) -> Data:
     """Return the data of a diagnosis in which every answer is right."""
-    answers = {
-        c.id: Answer(c.id, c.expected.outcome, values_of(c.expected), told=told_by(c.expected))
-        for c in cases
-    }
-    return data_of(cases, answers)
+    return data_of(cases, right(cases))
 
 
 def planted(

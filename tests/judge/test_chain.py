@@ -10,15 +10,13 @@ from longball import golden
 from longball.engines.chain import solve
 from longball.engines.ivp import Ivp
 from longball.engines.verlet import PUSHES, TREATMENTS, Verlet
-from longball.judge.answers import Answer
 from longball.judge.cases import decidable, solved
 from longball.judge.diagnosis.chain import ACCELERATION, CHAIN, LAW, OWN, RATE, SPEED, U, u
 from longball.judge.diagnosis.diagnose import prepared
 from longball.judge.diagnosis.expression import NONE, constant, evaluate, norm, ordered, substitute
 from longball.judge.diagnosis.residual import compared, follow, seen, specialised_to
-from longball.judge.quantities import values_of
 from longball.model.scene import Bat, Ground, ImpactScene, Incoming, Swing
-from tests.judge.material import known, truth
+from tests.judge.material import known, right, truth
 
 FAMILIES = [
     "flight-vertical", "flight-both", "flight-spin-lift", "flight-spin-drag", "flight-spin-decay",
@@ -115,8 +113,7 @@ def test_drag_and_lift_have_one_airspeed():
 def in_steps(engine, scenes):
     """Right answers of the paper's scheme: the data, and what follows from them."""
     cases = [case for case in solved(scenes, engine) if decidable(case)]
-    answers = {c.id: Answer(c.id, c.expected.outcome, values_of(c.expected)) for c in cases}
-    data, chain = prepared(cases, answers, engine)
+    data, chain = prepared(cases, right(cases), engine)
     assert not sum(map(len, data.blind.values()))
     return data, *follow(chain, data)
 

@@ -131,12 +131,18 @@ def test_a_place_for_the_step_shows_how_it_converges(called, tmp_path: Path):
 
 
 def test_samples_are_judged_alone_and_beside_answers(called, tmp_path: Path):
-    samples = tmp_path / "samples.jsonl"
-    lines = [json.dumps(scene) for scene in at_bats(offset_spread=0.0732)]
-    samples.write_text("\n".join(lines), encoding="utf-8")
+    right, samples = tmp_path / "right.jsonl", tmp_path / "samples.jsonl"
+    for path, drawn in ((right, at_bats()), (samples, at_bats(offset_spread=0.0732))):
+        path.write_text("\n".join(map(json.dumps, drawn)), encoding="utf-8")
+    alone = called("judge", "--samples", right)
+    assert alone.returncode == 0
+    assert "right  pitch.speed: drawn as the paper means it" in alone.stdout
     alone = called("judge", "--samples", samples)
     assert alone.returncode == 1
-    assert alone.stdout.startswith("FAILED: samples.jsonl\nfailed because: sampling: swing.height")
+    reason = "FAILED: samples.jsonl\nfailed because: sampling: swing.height_offset: its spread"
+    assert alone.stdout.startswith(reason)
+    assert "WRONG  swing.height_offset" in alone.stdout
+    assert "[radius-or-diameter]" in alone.stdout
     both = called(
         "judge", "--golden", "pitch", "--results", results(tmp_path), "--samples", samples,
         "--format", "json",

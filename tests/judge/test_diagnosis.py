@@ -18,8 +18,7 @@ import numpy as np
 import pytest
 
 from longball.golden import load
-from longball.judge.answers import Answer
-from longball.judge.cases import Case, decidable
+from longball.judge.cases import Case
 from longball.judge.diagnosis import diagnose as diagnosing
 from longball.judge.diagnosis.chain import I, lever, y
 from longball.judge.diagnosis.diagnose import Step, diagnose, reason
@@ -28,10 +27,9 @@ from longball.judge.diagnosis.findings import Diagnosis
 from longball.judge.diagnosis.operators import Edit, edits, edits_of_one_option
 from longball.judge.diagnosis.residual import FINE, Stepping, follow, specialised_to, values
 from longball.judge.diagnosis.search import Named, defaults
-from longball.judge.quantities import values_of
 from longball.model.scene import parse_scene
 from tests.judge import material
-from tests.judge.material import answered, collected, known, truth
+from tests.judge.material import answered, collected, known, right, truth
 
 NIGHTLY = pytest.mark.nightly
 
@@ -239,8 +237,7 @@ def test_an_edit_may_be_made_in_a_part_of_the_formulas(in_all_but_one: bool):
 
 def test_an_edit_of_one_use_is_made_in_every_flight():
     """Also where the scenes of another stage have another drag coefficient."""
-    cases = [c for f in ("pitch", "flight-spin-drag") for c in load(f)[:4] if decidable(c)]
-    data = truth(cases)
+    data = truth([*known("pitch")[:4], *known("flight-spin-drag")[:4]])
     pitch, *_, flight = (s for s in specialised_to(data) if s.kind == "flight")
     assert pitch.roots["law"] is flight.roots["law"]
     assert any(node.op == "switch" for node in ordered([pitch.roots["law"]]))
@@ -345,11 +342,7 @@ def test_ends_beside_the_ground_are_no_other_event(side: float):
 @pytest.mark.nightly
 def test_a_margin_is_held_to_that_of_the_undisturbed_pitch():
     cases = known("at-bat")
-    told = {c.id: dict(values_of(c.expected)) for c in cases}
-    for values_told in told.values():
-        if "contact.margin" in values_told:
-            values_told["contact.margin"] = tuple(-x for x in values_told["contact.margin"])
-    wrong = {c.id: Answer(c.id, c.expected.outcome, told[c.id]) for c in cases}
+    wrong = right(cases, lambda q, value: [-x for x in value] if q == "contact.margin" else value)
     (found,) = diagnose(cases, wrong).findings
     assert found.stage == "margin"
     assert found.edit == "flips the sign of R + r_b - the closest distance"

@@ -9,9 +9,6 @@ from decimal import Decimal
 import numpy as np
 import pytest
 
-from longball.golden import load
-from longball.judge.answers import Answer
-from longball.judge.cases import decidable
 from longball.judge.diagnosis.diagnose import diagnose
 from longball.judge.diagnosis.digits import (
     Digits,
@@ -22,7 +19,7 @@ from longball.judge.diagnosis.digits import (
     with_digits,
 )
 from longball.judge.diagnosis.residual import data_of, follow, specialised_to
-from longball.judge.quantities import values_of
+from tests.judge.material import known, right, truth
 
 WAYS = {
     "writes 6 significant digits": lambda x: f"{x:.6g}",
@@ -33,14 +30,8 @@ WAYS = {
 
 def written(family, way, change=lambda quantity, x: x):
     """The arguments of `explain_digits` for the truth, changed and written in a way."""
-    cases = [case for case in load(family) if decidable(case)][::2]
-    answers = {
-        case.id: Answer(case.id, case.expected.outcome, {
-            quantity: tuple(Decimal(way(change(quantity, float(x)))) for x in value)
-            for quantity, value in values_of(case.expected).items()
-        })
-        for case in cases
-    }  # fmt: skip
+    cases = known(family)[::2]
+    answers = right(cases, lambda q, xs: tuple(Decimal(way(change(q, float(x)))) for x in xs))
     data = data_of(cases, answers)
     return specialised_to(data), data, answers
 
@@ -133,12 +124,10 @@ def test_single_precision_needs_numbers_that_show_it():
 
 
 def test_what_rounding_does_to_later_numbers():
-    cases = [case for case in load("flight-both") if decidable(case)][:30:3]
-    answers = {c.id: Answer(c.id, c.expected.outcome, values_of(c.expected)) for c in cases}
-    data = data_of(cases, answers)
+    data = truth(known("flight-both")[:30:3])
     chain = specialised_to(data)
     columns, _ = follow(chain, data)
-    some = np.arange(len(cases))
+    some = np.arange(len(data.cases))
     (flight,) = (stage for stage in chain if stage.kind == "flight")
     (distance,) = (stage for stage in chain if stage.name == "distance")
 
@@ -161,15 +150,8 @@ def test_what_rounding_does_to_later_numbers():
 
 
 def test_digits_that_explain_every_error_are_named():
-    cases = [case for case in load("impact") if decidable(case)]
-    answers = {
-        case.id: Answer(case.id, case.expected.outcome, {
-            quantity: tuple(Decimal(f"{float(x):.8g}") for x in value)
-            for quantity, value in values_of(case.expected).items()
-        })
-        for case in cases
-    }  # fmt: skip
-    (found,) = diagnose(cases, answers).findings
+    _, data, answers = written("impact", lambda x: f"{x:.8g}")
+    (found,) = diagnose(data.cases, answers).findings
     assert found.edit == "writes 8 significant digits"
     assert found.wrong > 10
     assert 1e-8 < found.worst < 1e-5

@@ -9,14 +9,13 @@ from typing import Any
 
 import pytest
 
-from longball import golden
 from longball.judge.answers import Answer
-from longball.judge.cases import decidable
 from longball.judge.diagnosis.expression import symbol
 from longball.judge.diagnosis.findings import Finding
 from longball.judge.diagnosis.outcomes import _is_positive, outcome_findings
 from longball.judge.diagnosis.residual import data_of, follow, specialised_to
 from longball.judge.quantities import told_by, values_of
+from tests.judge.material import known
 
 BATS = ("impact", "at-bat")
 ENDS = (*BATS, "hard", "at-bat-real")  # in which more balls are met beyond the end of the bat
@@ -29,8 +28,7 @@ Said = Callable[[Any], Any]
 
 @cache
 def cases_of(families: tuple[str, ...]) -> list[Any]:
-    every = [c for family in families for c in golden.load(family) if decidable(c)]
-    return [c for c in every if not c.id.startswith("fence-step-")]
+    return [case for case in known(*families) if not case.id.startswith("fence-step-")]
 
 
 def findings(

@@ -6,7 +6,6 @@ seen; its words do not count.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable
 from functools import cache
 from types import SimpleNamespace
@@ -231,13 +230,10 @@ def test_another_wrong_formula_is_named(
 # Mistakes in the law and the launch of flights: the family, a node of the law by its words, and the
 # node that replaces it.
 FLIGHTS: dict[str, tuple[str, str, Callable[[Node], Node]]] = {
-    "another g": ("flight-both", "g", lambda g: constant(9.81, g.dimension)),
     "no U": ("flight-both", "U", lambda U: constant(1.0, U.dimension)),
     "U of the launch": ("flight-both", "U", lambda U: substitute(U, v, v0)),
     "y backwards": ("flight-both", "dr/dt", lambda u: axes(u, ASIDE, "own axes")),
     "a growing spin": ("flight-spin-decay", "path", lambda path: -path),
-    "rpm": ("flight-spin-lift", "launch.spin", lambda spin: math.pi / 30 * spin),
-    "mph": ("pitch", "V_0", lambda speed: 0.44704 * speed),
     "the aim": ("pitch", "aim_y", lambda _: I["aim_z"]),
 }
 ASIDE = (1.0, 0.0, 0.0), (0.0, -1.0, 0.0), (0.0, 0.0, 1.0)

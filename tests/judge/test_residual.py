@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from dataclasses import replace
 from typing import Any
 
@@ -30,9 +31,8 @@ from longball.judge.diagnosis.residual import (
     options,
     specialised_to,
 )
-from longball.judge.quantities import values_of
 from longball.model.scene import AtBatScene, FlightScene, Launch, parse_scene
-from tests.judge.material import known, truth
+from tests.judge.material import known, right, truth
 
 
 def thrown(duration: Any, pull: Any, **more: Any) -> Launched:
@@ -241,13 +241,13 @@ def test_the_duration_of_a_flight_comes_from_the_time_nearer_to_the_truth():
 
 def test_a_margin_is_compared_only_where_the_pitch_is_right():
     cases = known("at-bat")[::9]
-    told = {}
-    for i, case in enumerate(cases):
-        numbers = dict(values_of(case.expected))
-        if "plate.position" in numbers:
-            x, y, z = map(float, numbers["plate.position"])
-            numbers["plate.position"] = (x, y, z + (1e-6 if i % 2 else 1e-11))
-        told[case.id] = Answer(case.id, case.expected.outcome, numbers)
+    errors = itertools.cycle((1e-11, 1e-6))
+
+    def moved(case: Any) -> dict[str, Answer]:
+        by = [0.0, 0.0, next(errors)]
+        return right([case], lambda q, x: np.array(x, float) + by if q == "plate.position" else x)
+
+    told = {case.id: moved(case)[case.id] for case in cases}
     found = np.isfinite(data_of(cases, told).given["contact.margin"])
     true = np.isfinite(truth(cases).given["contact.margin"])
     odd = np.arange(len(cases)) % 2 == 1

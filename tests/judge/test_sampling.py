@@ -13,12 +13,7 @@ import numpy as np
 import pytest
 
 from longball.home_run import draw, paper_at_bats
-from longball.judge.answers import Collector
-from longball.judge.cases import Exact
-from longball.judge.evaluation import Judge
 from longball.judge.sampling import FEWEST, BadSamples, Sampling, judge_samples, read_samples
-from longball.judge.text import render
-from longball.judge.verdict import Submission, Verdict
 from longball.model.readings import SamplingReading
 from longball.model.scene import AtBatScene
 
@@ -163,23 +158,6 @@ def test_a_line_that_is_no_at_bat_is_named(tmp_path: Path, line: str, why: str):
     path.write_text(f"{good}\n{line}\n", encoding="utf-8")
     with pytest.raises(BadSamples, match=why):
         judge_samples(read_samples(path), path.name)
-
-
-def verdict(drawn: list[Scene]) -> Verdict:
-    found = Submission("mine.jsonl", Collector(()), sampling=judge_samples(drawn))
-    return Judge([], Exact()).evaluate(found).verdict
-
-
-def test_a_verdict_on_the_sampling_alone():
-    right = verdict(at_bats())
-    assert right.passed
-    assert "right  pitch.speed: drawn as the paper means it" in render(right)
-    wrong = verdict(at_bats(offset_spread=0.0732))
-    assert not wrong.passed
-    assert len(wrong.reasons) == 1
-    assert wrong.reasons[0].startswith("sampling: swing.height_offset: its spread")
-    assert "WRONG  swing.height_offset" in render(wrong)
-    assert "[radius-or-diameter]" in render(wrong)
 
 
 def test_one_random_number_behind_two_quantities_is_found():
