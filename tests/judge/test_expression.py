@@ -270,6 +270,12 @@ def test_curves_through_the_nodes_of_a_table(mode: str):
         assert found == pytest.approx([float(whole), line], abs=1e-14)
 
 
+def test_no_curve_leads_through_nodes_out_of_order():
+    tables = {"key.at": NODES[::-1], "key.values": OF_NODES, "s": np.array([0.25, 1.25])}
+    found = evaluate(table(symbol("s"), "key", "spline"), tables)
+    assert np.isnan(found).all()
+
+
 def test_a_smoothed_table():
     tables = {"key.at": NODES, "key.values": OF_NODES, "s": np.array([0.25, 1.25])}
     # s²(3 - 2s) = 5/32 at s = 1/4

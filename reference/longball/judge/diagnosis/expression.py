@@ -553,6 +553,9 @@ def _cubics(
     for ball in range(at.shape[1]):
         count = 1 + np.count_nonzero(np.diff(at[:, ball]))  # tables are filled up
         x, y = at[:count, ball], values[:count, ball]
+        if not (np.diff(x) > 0).all():  # nodes moved at random, through which there is no curve
+            found[:, :, ball] = np.nan
+            continue
         m, width, rise = slopes(x, y), np.diff(x), np.diff(y) / np.diff(x)
         found[0, : count - 1, ball] = m[:-1]
         found[1, : count - 1, ball] = (3 * rise - 2 * m[:-1] - m[1:]) / width
