@@ -20,6 +20,7 @@ from longball.judge import evaluation
 from longball.judge.answers import Collector, line_of
 from longball.judge.cases import Exact
 from longball.judge.diagnosis.diagnose import diagnose
+from longball.judge.diagnosis.findings import Diagnosis
 from longball.judge.evaluation import DEFECT, Judge, usable
 from longball.judge.quantities import QUANTITIES
 from longball.judge.verdict import Verdict
@@ -139,15 +140,24 @@ def test_every_candidate_gets_a_verdict(folder: Path, family: str, edit: Edit) -
     assert given_verdict(folder, family, edit)
 
 
-def test_a_search_that_breaks_off_is_told_and_costs_no_verdict(folder: Path, monkeypatch) -> None:
-    def broken(*arguments: object, **options: object) -> None:
-        raise ZeroDivisionError("division by zero")
+@pytest.mark.parametrize("part", ["diagnose", "of the causes"])
+def test_a_search_that_breaks_off_is_told_and_costs_no_verdict(
+    folder: Path, monkeypatch, part: str
+) -> None:
+    whole = evaluation.diagnose
+
+    def broken(*arguments: object, causes: bool, **options: object) -> Diagnosis:
+        if causes or part == "diagnose":
+            raise ZeroDivisionError("division by zero")
+        return whole(*arguments, causes=causes, **options)
 
     monkeypatch.setattr(evaluation, "diagnose", broken)
     cases = golden.load(FAMILIES[0], folder)
     verdict = lb.judge.judge(candidate(cases, constant(0.0)), FAMILIES[0], folder=folder)
     assert verdict.status == "FAILED"
     assert f"{DEFECT}: ZeroDivisionError: division by zero" in str(verdict)
+    # The wrong steps are known without their causes.
+    assert bool(verdict.diagnosis.stages) == (part == "of the causes")
 
 
 def test_numbers_beyond_use_are_unreadable_to_the_diagnosis_alone() -> None:

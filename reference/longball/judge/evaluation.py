@@ -243,13 +243,17 @@ class Judge:
                 f"{DEFECT}: {type(error).__name__}: {error} ({Path(place.filename).name}, line "
                 f"{place.lineno}); answers are counted nevertheless; please report it"
             )
-            return Diagnosis(
-                sentence=sentence, first=None, stages=[], clean=[], findings=[], conduct=conduct
-            )
+            try:  # the wrong steps, which need no search
+                located = self._diagnosed(judged, wrong, submission, conduct, None, causes=False)
+            except Exception:
+                located = Diagnosis(
+                    sentence="", first=None, stages=[], clean=[], findings=[], conduct=conduct
+                )
+            return located.model_copy(update={"sentence": sentence, "findings": []})
 
     def _diagnosed(
         self, judged: Sequence[Case], wrong: Sequence[Comparison], submission: Submission,
-        conduct: list[str], ask: Ask | None,
+        conduct: list[str], ask: Ask | None, causes: bool = True,
     ) -> Diagnosis:  # fmt: skip
         def written(scenes: Iterable[Any], answers: Mapping[str, Answer]) -> dict[str, Answer]:
             return {s.id: as_written(s, usable(a)) for s in scenes if (a := answers.get(s.id))}
@@ -259,8 +263,8 @@ class Judge:
 
         diagnosis = diagnose(
             judged, written([c.scene for c in self.cases], submission.collected.answers), self.dt,
-            scheme=self.profile.scheme(), causes=not conduct, granted=self.profile.error,
-            solve=again if ask else None,
+            scheme=self.profile.scheme(), causes=causes and not conduct,
+            granted=self.profile.error, solve=again if ask else None,
         )  # fmt: skip
         more: dict[str, Any] = {"conduct": conduct}
         if wrong and not diagnosis.findings:

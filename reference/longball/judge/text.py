@@ -117,7 +117,7 @@ def _diagnosis(diagnosis: Diagnosis) -> Iterator[str]:
     if diagnosis.first:
         yield f"first wrong step: {diagnosis.first}"
     yield from stage_sentences(diagnosis)
-    if not (diagnosis.stages or diagnosis.findings):
+    if not diagnosis.findings:
         yield f"diagnosis: {diagnosis.sentence}"
     for finding in diagnosis.findings if not diagnosis.conduct else ():  # no cause was sought
         yield from finding_sentences(finding)
