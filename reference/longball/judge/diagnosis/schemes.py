@@ -362,7 +362,7 @@ class Steps:
             yield from ((one, x, False) for x, _ in rounded(abs(float(c))) if x > SHORTEST)
 
     def _holding(self, options: Sequence[Option]) -> Sequence[Option]:
-        """Options that reproduce all numbers of most of the first scenes.
+        """Options that reproduce all numbers of most of the first scenes, and save bits there.
 
         The options with the smallest residual come first.
         """
@@ -370,8 +370,13 @@ class Steps:
             if options:
                 r = self.left(options, some)
                 near = (np.nan_to_num(np.abs(r)) <= ADEQUATE).all(axis=0).mean(axis=1)
+                # Errors may be within the floors without a scheme: one that leaves them is none.
+                f = self.followed
+                finer = f.floor[:, some] / f.finest[:, some]
+                left = np.array([cost(r[:, i] * finer) for i in range(len(options))])
+                saves = left <= SAVES * cost(f.off[:, some] / f.finest[:, some])
                 # A flight across a kink may differ even with the right option.
-                enough = np.flatnonzero(near >= 0.5)
+                enough = np.flatnonzero((near >= 0.5) & saves)
                 costs = [cost(r[:, i]) for i in enough]
                 options = [options[enough[i]] for i in np.argsort(costs, kind="stable")]
         return options
@@ -516,6 +521,7 @@ def explain_push(
 
 SOME = 24  # wrong scenes with short flights, in which edits are tried first together with a scheme
 VARIANTS = 6  # edits that are tried with all schemes
+SAVES = 0.8  # largest fraction of the bits of the first scenes that a scheme leaves there
 WELL = 0.5  # fraction of the bits of all errors that a scheme explains if it is the candidate's
 VERIFIED = 3  # schemes that reproduce the first scenes and are then flown in all
 
