@@ -20,8 +20,8 @@ import pytest
 from longball.golden import load
 from longball.judge.cases import Case
 from longball.judge.diagnosis import diagnose as diagnosing
-from longball.judge.diagnosis.chain import I, lever, y
-from longball.judge.diagnosis.diagnose import Step, diagnose, reason
+from longball.judge.diagnosis.chain import CHAIN, I, lever, y
+from longball.judge.diagnosis.diagnose import Step, _clearest, diagnose, reason
 from longball.judge.diagnosis.expression import evaluate, ordered, substitute
 from longball.judge.diagnosis.findings import Diagnosis
 from longball.judge.diagnosis.operators import Edit, edits, edits_of_one_option
@@ -356,3 +356,16 @@ def test_a_rough_edit_may_leave_a_few_errors():
         one: Any = SimpleNamespace(off=off, floor=np.ones_like(off), some=some)
         left.append(diagnosing._is_left(one, some))
     assert left == [True, True, False]
+
+
+@pytest.mark.parametrize(
+    ("first", "second", "chosen"),
+    [(6, 8, 0), (6, 13, 1), (15, 60, 0)],  # of more than twenty scenes each tells as much
+)
+def test_a_later_flight_comes_first_if_it_tells_far_more(first: int, second: int, chosen: int):
+    flights = [stage for stage in CHAIN if stage.kind == "flight"][:2]
+    wrong = [
+        (stage, SimpleNamespace(beyond=np.arange(100) < count))
+        for stage, count in zip(flights, (first, second), strict=True)
+    ]
+    assert _clearest(wrong) is wrong[chosen]

@@ -5,11 +5,13 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable
 from functools import partial
+from types import SimpleNamespace
 
 from longball.engines.ivp import Ivp
 from longball.golden import load
 from longball.judge.answers import Answer
 from longball.judge.cases import solved
+from longball.judge.diagnosis import unseen
 from longball.judge.diagnosis.chain import I
 from longball.judge.diagnosis.diagnose import diagnose
 from longball.judge.diagnosis.expression import constant
@@ -111,3 +113,16 @@ def test_new_scenes_refute_what_their_answers_contradict():
         assert answered.mends(chain, stage, edit, {})
         assert not answered.holds(chain, stage, other, {})
         assert not answered.mends(chain, stage, other, {})
+
+
+def test_a_conversion_has_to_hold_in_new_scenes(monkeypatch):
+    one, other = (SimpleNamespace(edit=name) for name in ("degrees", "feet"))
+    new = Unseen(None, (), None, None)
+    new.data = "wrong"
+    for named, there, holds in (
+        ([one], [one], True), ([one], [one, other], True), ([one, other], [one], False),
+    ):  # fmt: skip
+        monkeypatch.setattr(unseen, "outputs", lambda data, chain, there=there: ("right", there))
+        again = new.converted(named)
+        assert (again is not None) == holds
+        assert again is None or again.data == "right"
