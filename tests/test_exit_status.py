@@ -201,6 +201,8 @@ solve --egine ivp -> no such option --egine, did you mean --engine?
 solve a.jsonl b.jsonl -> unexpected b.jsonl: the command takes [SCENES|-
 solve --fence Fenway -> --fence Fenway: must be a radius, such as 120 or 400ft
 solve --points 1 -> --points 1: must be at least 2
+judge --timeout nan -- true -> --timeout nan: must be at least 0.001
+readings --e nan -> --e nan: must be at least 0
 solve --points 1000000001 -> --points 1000000001: must be at most
 solve --integrator Euler -> Euler
 solve --rtol 1e-20 -> rtol

@@ -549,9 +549,10 @@ def _read(row: Row, value: Any) -> Any:
         except ValueError:
             whole = "whole number" if form is int else "number"
             raise ValueError(f"{value}: must be a {whole}") from None
-        if number < row.min or number > row.max:
-            limit = f"least {row.min}" if number < row.min else f"most {row.max}"
-            raise ValueError(f"{value}: must be at {limit}")
+        limits = {"least": (row.min, number >= row.min), "most": (row.max, number <= row.max)}
+        for at, (limit, holds) in limits.items():
+            if math.isfinite(limit) and not holds:  # as of NaN
+                raise ValueError(f"{value}: must be at {at} {limit}")
         value = number
     elif form is Path:
         value = Path(value)
