@@ -78,7 +78,7 @@ VERDICTS = [
     (lambda h: h**2 + 1e-4, 2, "wrong limit", "1.0"),
     (lambda h: h**4 + 1e-13 * math.sin(1e6 / h), 4, "as expected", ""),  # a floor of rounding
     (lambda h: h, 2, "other order", ""),
-    # An order is told from the next half, or not.
+    # Scatter that leaves an order within a half of the expected one, and scatter that does not.
     (about_a_line(0.6), 1.5, "as expected", ""),
     (about_a_line(1.5), 1.5, "not resolved", ""),
 ]

@@ -118,7 +118,7 @@ def turning(rng, surface):
         cos = -math.cos(rng.uniform(-0.5, 0.5))
     reach = 0.0696 if surface == "past" else 0.0
     if surface == "ground" and rng.random() < 0.5:
-        # As far as it can be from where rounding is largest.
+        # The same fall onto a surface at a height of about 0.
         lower = float(arb(start[1]) - place)
         place, start = place + arb(lower) - arb(start[1]), (start[0], lower, *start[2:])
 

@@ -1,4 +1,4 @@
-"""Input of commands: tables of measurements, and what is printed of each pitch of one."""
+"""Tables of measured pitches as input of commands, and tables of results by pitch."""
 
 from __future__ import annotations
 

@@ -189,7 +189,7 @@ def _inconsistent(case: Case, top: Header) -> Iterator[str]:
     if case.level not in top.levels:
         yield f"{case.id}: the level {case.level} is not explained in {HEADER}"
     if case.condition and set(case.condition.derivatives) != set(decisive(case.expected)):
-        yield f"{case.id}: derivatives are not those of what is asked for"
+        yield f"{case.id}: condition.derivatives has other quantities than the decisive ones"
     # `quantities`, for programs in doubles, repeats the decimal numbers of `expected`.
     known = case.quantities
     if {name for name, _ in numbers_of(case.expected)} != known.keys():

@@ -86,7 +86,7 @@ def json_text(value: object) -> str:
     try:
         return json.dumps(value, default=plain)
     except (TypeError, ValueError):
-        return json.dumps(plain(value))  # whose message names what has no form in JSON
+        return json.dumps(plain(value))  # raises an error that names the value
 
 
 def column_of(values: Any) -> NDArray[Any]:

@@ -952,8 +952,8 @@ DEFAULT_READING = {f"reading.{key}": np.array([x]) for key, x in Reading()}
 def pool_of(chain: Sequence[Stage], stage: Stage, columns: Columns) -> tuple[Node, ...]:
     """Nodes that the author of a stage may have written by mistake.
 
-    They are the inputs and definitions of the stage's own formulas, its `Stage.pool`, and for a
-    formula also the results of earlier stages.
+    They are the inputs, definitions and scalar products of the stage's own formulas, its
+    `Stage.pool`, and for a formula also the results of earlier stages.
     """
     found: dict[Node, None] = {}  # in the order in which they are found
     if stage.kind == "flight":
