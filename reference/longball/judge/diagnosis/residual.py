@@ -8,6 +8,7 @@ Equations I*, Sec. II.5; the coefficients are SciPy's).
 from __future__ import annotations
 
 import hashlib
+import itertools
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -90,6 +91,7 @@ CAREFUL, TOTAL = 1e-12, 3e-11  # relative errors of each controlled step, and of
 # until it is shorter than LEAST of the flight.
 BESIDE, LEAST = 1 / 512, 1e-11
 BISECTIONS = 11  # steps of bisection that locate a kink: 2⁻¹¹ is a fourth of BESIDE
+STUCK = 5  # shortest steps in a row
 CUTS = 150  # further steps of a controlled flight: an edited law may switch anywhere
 
 Index = NDArray[np.integer[Any]]  # positions of scenes
@@ -544,30 +546,32 @@ def _in_controlled_steps(balls: Launched, duration: Array, steps: Array) -> tupl
     the next targets are just before it and just beyond. The short step between those may be divided
     in the same way, until it is shorter than `LEAST`.
 
-    Return also the relative errors; `HUGE` for a ball that does not arrive in `CUTS` more steps.
+    Return also the relative errors; `HUGE` for a ball that does not arrive in `CUTS` more steps, or
+    is stuck: its shortest steps are inaccurate, as where a force points against each motion.
     """
     # Each ball has its own `whole`, the step that the error allows; `before` and `beyond`, the
-    # times next to the last kink found; and `here`, the present piece of the law.
-    longest = 1.0 / steps
+    # times next to the last kink found; `here`, the present piece of the law; and `stuck`, the
+    # number of shortest steps in a row.
+    longest, most = 1.0 / steps, CUTS + 10 * steps
     y, t, whole = balls.y, np.zeros(len(steps)), longest
-    before, beyond = np.zeros_like(t), np.zeros_like(t)
+    before, beyond, stuck = np.zeros_like(t), np.zeros_like(t), np.zeros_like(t)
     here, found, index = balls.piece(y, t), y.copy(), np.arange(len(t))
     doubt = np.full(len(t), HUGE)
-    for _ in range(CUTS + int(10 * steps.max())):
-        # Once at least half of the balls have arrived, continue with the others alone.
-        flies = np.flatnonzero(t < 1.0 - LEAST)
-        if len(flies) < len(index) / 2:
+    for taken in itertools.count():
+        # Once at least half of the balls have ended, continue with the others alone.
+        flies = (t < 1.0 - LEAST) & (taken < most) & (stuck < STUCK)
+        if flies.sum() <= len(index) / 2:
             found[:, index] = y
             doubt[index[t >= 1.0 - LEAST]] = TOTAL
-            if not len(flies):
-                break
-            balls, index, y = balls.some(flies), index[flies], y[:, flies]
-            t, whole, before, beyond, longest, duration = (
-                x[flies] for x in (t, whole, before, beyond, longest, duration)
+            if not flies.any():
+                return found, doubt
+            balls, index, y = balls.some(np.flatnonzero(flies)), index[flies], y[:, flies]
+            t, whole, before, beyond, stuck, longest, most, duration = (
+                x[flies] for x in (t, whole, before, beyond, stuck, longest, most, duration)
             )
-            here = balls.piece(y, t * duration)
+            here, flies = balls.piece(y, t * duration), flies[flies]
         goal = np.where(before > t, before, np.where(beyond > t, beyond, 1.0))
-        step = np.minimum(whole, goal - t)
+        step = np.where(flies, np.minimum(whole, goal - t), 0.0)
         h = step * duration
         new, slopes = _step(balls, y, t * duration, h)
         there = balls.piece(new, (t + step) * duration)
@@ -584,11 +588,9 @@ def _in_controlled_steps(balls: Launched, duration: Array, steps: Array) -> tupl
         best = step * np.clip(0.9 * (CAREFUL / np.maximum(error, 1e-99)) ** 0.125, 0.1, 3.0)
         whole = np.where(coarse, best, np.clip(best, whole, longest))
         stays = crossed | coarse
+        stuck = np.where(flies & ((step > LEAST) | (error <= CAREFUL)), 0, stuck + 1)
         y, here = np.where(stays, y, new), np.where(stays, here, there)
         t = np.where(stays, t, t + step)
-    found[:, index] = y
-    doubt[index[t >= 1.0 - LEAST]] = TOTAL
-    return found, doubt
 
 
 def _first_kink(balls: Launched, y: Array, new: Array, t: Array, h: Array, slope: Array) -> Array:
