@@ -8,7 +8,6 @@ Equations I*, Sec. II.5; the coefficients are SciPy's).
 from __future__ import annotations
 
 import hashlib
-import itertools
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -91,8 +90,9 @@ CAREFUL, TOTAL = 1e-12, 3e-11  # relative errors of each controlled step, and of
 # until it is shorter than LEAST of the flight.
 BESIDE, LEAST = 1 / 512, 1e-11
 BISECTIONS = 11  # steps of bisection that locate a kink: 2⁻¹¹ is a fourth of BESIDE
-STUCK = 5  # shortest steps in a row
-CUTS = 150  # further steps of a controlled flight: an edited law may switch anywhere
+# A ball is stuck if it covers less than PROGRESS of its flight in PATIENCE steps. A kink takes
+# about ten.
+PROGRESS, PATIENCE = 0.01, 32
 
 Index = NDArray[np.integer[Any]]  # positions of scenes
 
@@ -546,30 +546,19 @@ def _in_controlled_steps(balls: Launched, duration: Array, steps: Array) -> tupl
     the next targets are just before it and just beyond. The short step between those may be divided
     in the same way, until it is shorter than `LEAST`.
 
-    Return also the relative errors; `HUGE` for a ball that does not arrive in `CUTS` more steps, or
-    is stuck: its shortest steps are inaccurate, as where a force points against each motion.
+    Return also the relative errors; `HUGE` for a ball that is stuck, as where a force points
+    against each motion: it covers less than `PROGRESS` of its flight in `PATIENCE` steps.
     """
     # Each ball has its own `whole`, the step that the error allows; `before` and `beyond`, the
-    # times next to the last kink found; `here`, the present piece of the law; and `stuck`, the
-    # number of shortest steps in a row.
-    longest, most = 1.0 / steps, CUTS + 10 * steps
+    # times next to the last kink found; `here`, the present piece of the law; and `reached`, the
+    # time when its progress was last checked.
+    longest = 1.0 / steps
     y, t, whole = balls.y, np.zeros(len(steps)), longest
-    before, beyond, stuck = np.zeros_like(t), np.zeros_like(t), np.zeros_like(t)
+    before, beyond, reached = np.zeros_like(t), np.zeros_like(t), np.zeros_like(t)
     here, found, index = balls.piece(y, t), y.copy(), np.arange(len(t))
-    doubt = np.full(len(t), HUGE)
-    for taken in itertools.count():
-        # Once at least half of the balls have ended, continue with the others alone.
-        flies = (t < 1.0 - LEAST) & (taken < most) & (stuck < STUCK)
-        if flies.sum() <= len(index) / 2:
-            found[:, index] = y
-            doubt[index[t >= 1.0 - LEAST]] = TOTAL
-            if not flies.any():
-                return found, doubt
-            balls, index, y = balls.some(np.flatnonzero(flies)), index[flies], y[:, flies]
-            t, whole, before, beyond, stuck, longest, most, duration = (
-                x[flies] for x in (t, whole, before, beyond, stuck, longest, most, duration)
-            )
-            here, flies = balls.piece(y, t * duration), flies[flies]
+    doubt, flies = np.full(len(t), HUGE), np.ones(len(t), dtype=bool)
+    taken = 0
+    while True:
         goal = np.where(before > t, before, np.where(beyond > t, beyond, 1.0))
         step = np.where(flies, np.minimum(whole, goal - t), 0.0)
         h = step * duration
@@ -588,9 +577,24 @@ def _in_controlled_steps(balls: Launched, duration: Array, steps: Array) -> tupl
         best = step * np.clip(0.9 * (CAREFUL / np.maximum(error, 1e-99)) ** 0.125, 0.1, 3.0)
         whole = np.where(coarse, best, np.clip(best, whole, longest))
         stays = crossed | coarse
-        stuck = np.where(flies & ((step > LEAST) | (error <= CAREFUL)), 0, stuck + 1)
         y, here = np.where(stays, y, new), np.where(stays, here, there)
         t = np.where(stays, t, t + step)
+        flies &= t < 1.0 - LEAST
+        taken += 1
+        if taken % PATIENCE == 0:
+            flies &= t - reached > PROGRESS
+            reached = t
+        # Once at least half of the balls have ended, continue with the others alone.
+        if flies.sum() <= len(index) / 2:
+            found[:, index] = y
+            doubt[index[t >= 1.0 - LEAST]] = TOTAL
+            if not flies.any():
+                return found, doubt
+            balls, index, y = balls.some(np.flatnonzero(flies)), index[flies], y[:, flies]
+            t, whole, before, beyond, reached, longest, duration = (
+                x[flies] for x in (t, whole, before, beyond, reached, longest, duration)
+            )
+            here, flies = balls.piece(y, t * duration), flies[flies]
 
 
 def _first_kink(balls: Launched, y: Array, new: Array, t: Array, h: Array, slope: Array) -> Array:

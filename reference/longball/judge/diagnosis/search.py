@@ -653,23 +653,29 @@ class Explanation:
                 break
             group.sort(key=lambda edit: edit.bits)
             edit, stage = group[0], self.edited(group[0])
-            exactly = self._screened_exactly(stage)
+            # Many trials in long steps. Of an edit that explains something there, the number is
+            # then fitted exactly.
+            quickly, exactly = self.screened(stage, (MIDDLE,)), self._screened_exactly(stage)
             if edit.starts:
-                # Many trials in long steps; their best number is then fitted exactly.
-                quickly = self.screened(stage, (MIDDLE,))
                 c, r = _fitted_from(quickly, self._starts(edit, at), edit.factor)
-                if self._moves_jumps(stage) or (r == LOST).any():
-                    (c,), r, _ = fitted(exactly, [(c,)], 2)
-                group[0] = replace(edit, starts=(c,))
+            else:
+                c, (r,) = np.zeros(0), quickly(np.zeros((1, 0)))
+            if not (lost := bool((r == LOST).any())) and cost(r) >= NEARER * self.null:
+                continue
+            if lost or self._moves_jumps(stage):
+                c, r, _ = fitted(exactly, [c], 2)
+            number = 0.0
+            if edit.starts:
+                best = float(c[0])
+                group[0] = replace(edit, starts=(best,))
                 # Cost of the number: that of the roundest one which fits as well.
                 number = min(
-                    bits for x, bits in rounded(c, FACTORS) if abs(x - c) <= FITTED * abs(c)
-                )
-                made = self.edited(edit.settled(c, 0.0))
+                    bits for x, bits in rounded(best, FACTORS)
+                    if abs(x - best) <= FITTED * abs(best)
+                )  # fmt: skip
+                made = self.edited(edit.settled(best, 0.0))
                 if not self._is_possible(made):
                     continue
-            else:
-                (r,), number = exactly(np.zeros((1, 0))), 0.0
             left = cost(r)
             saved = null - cost(r * self.finer_few)
             explains = is_adequate(r, edit.rough) and saved - edit.bits - number > needed
@@ -1057,7 +1063,7 @@ def _jumps(stage: Stage) -> set[str]:
 
 def _fitted_from(
     screened: Callable[[Array], Array], starts: Sequence[float], factor: bool
-) -> tuple[float, Array]:
+) -> tuple[Array, Array]:
     """A free number with small errors, and those errors.
 
     Long steps may diverge for factors between 1 and that of the candidate, so that a fit from 1
@@ -1067,10 +1073,10 @@ def _fitted_from(
     tried = np.array([*dict.fromkeys((*starts, *usual))])[:, None]
     every = screened(tried)
     best = np.argsort([cost(r) for r in every], kind="stable")
-    (c,), r, _ = fitted(screened, tried[best[:STARTS]])
+    c, r, _ = fitted(screened, tried[best[:STARTS]])
     if cost(every[best[0]]) < cost(r):
-        c, r = tried[best[0], 0], every[best[0]]
-    return float(c), r
+        c, r = tried[best[0]], every[best[0]]
+    return c, r
 
 
 USUAL = 0.09  # smaller factors, and their inverses, are separate edits (`operators._factors`)
