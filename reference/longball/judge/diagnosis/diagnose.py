@@ -338,6 +338,8 @@ def _explained(
     rest = in_steps or any(_shares_formula(stage, other) for other in edited)
     layers, pairs = (ALONE[:2], 0) if rest else (ALONE, PAIRS[stage.kind])
     search = Explanation(chain, stage, data, columns, one, layers, pairs)
+    if not rest and (conditional := search.of_one_option()) is not None:
+        return [conditional]
     # If a scheme explains only some flights, the remaining errors belong to the scheme, and not to
     # the law.
     found = Located() if flies and stepped else search.explain(unseen)
@@ -352,8 +354,6 @@ def _explained(
     if isinstance(found, Named):
         return [found]
     if not rest:
-        if (conditional := search.of_one_option()) is not None:
-            return [conditional]
         # Edits are searched for with the scheme whose errors are most like the candidate's. A
         # candidate whose right flights have no such errors has no scheme.
         if flies and steps_of is not None and steps_of.possible:

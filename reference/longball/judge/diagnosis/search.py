@@ -478,7 +478,7 @@ class Explanation:
         options = {**wrong, "spin": wrong[self.stage.spins]}
         most, cheapest = max(layer.edits.stop for layer in self.layers), list[Edit]()
         for likely in (LIKELY, math.inf):
-            if len(cheapest) < FEW_EDITS:
+            if len(cheapest) < min(FEW_EDITS, most):
                 every = itertools.chain(
                     edits(self.chain, self.stage, defaults(), options, most=likely),
                     edits_of_one_option(self.stage, defaults(), options),
