@@ -317,10 +317,11 @@ def _explained(
 
     1. A push: the paper's contact force acts before the contact, which no edit of the batted flight
        can express.
-    2. An edit, or two, that explain all errors.
-    3. A scheme, of all flights or of a part of them.
-    4. An edit of a part of the errors.
-    5. An edit that applies to one option of the scenes.
+    2. An edit, or two, found among the scenes that share an option with all wrong ones: there are
+       fewer formulas, and so fewer edits.
+    3. An edit, or two, that explain all errors.
+    4. A scheme, of all flights or of a part of them.
+    5. An edit of a part of the errors.
     6. An edit together with a scheme.
     7. Nothing: then the stage is located, with the nearest edit or the order of the errors.
     """
@@ -353,16 +354,15 @@ def _explained(
         return [scheme]
     if isinstance(found, Named):
         return [found]
-    if not rest:
-        # Edits are searched for with the scheme whose errors are most like the candidate's. A
-        # candidate whose right flights have no such errors has no scheme.
-        if flies and steps_of is not None and steps_of.possible:
-            like = steps_of.nearest()
-            near = _beside(like, chain, stage, data, columns, one) if like else found.near
-            both = with_edit(steps_of, near, dt, like)
-            if both is not None:
-                edit, way = both
-                return [Named((edit,), way.evidence), way]
+    # Edits are searched for with the scheme whose errors are most like the candidate's. A candidate
+    # whose right flights have no such errors has no scheme.
+    if not rest and flies and steps_of is not None and steps_of.possible:
+        like = steps_of.nearest()
+        near = _beside(like, chain, stage, data, columns, one) if like else found.near
+        both = with_edit(steps_of, near, dt, like)
+        if both is not None:
+            edit, way = both
+            return [Named((edit,), way.evidence), way]
     return [scheme or found]
 
 

@@ -732,23 +732,30 @@ class Evaluator:
         return [values[i] for i in self._roots]
 
 
+def used(roots: Sequence[Node], columns: Columns) -> dict[Node, Any]:
+    """The nodes below the roots with flags of the scenes that use them, users first.
+
+    A scene uses an option of a switch only if it has that option.
+    """
+    # The flags are passed down from the roots to the arguments; a node with two users has the flags
+    # of both.
+    at_hand, found = Values(columns), dict[Node, Any].fromkeys(roots, np.True_)
+    for node in reversed(ordered(roots, (), at_hand.arguments)):
+        flags = [*_occurring(node, columns).values()] if node.op == "switch" else ()
+        for i, arg in enumerate(at_hand.arguments(node)):
+            own = flags[i] if flags else np.True_
+            found[arg] = found.get(arg, np.False_) | (found[node] & own)
+    return found
+
+
 class Pieces:
     """Numbers that change where an expression has a kink or a jump, as a function of what moves."""
 
     def __init__(self, root: Node, columns: Columns, moving: frozenset[str]) -> None:
-        at_hand = Values(columns)
-        # A kink in an option counts only in scenes that have this option. The flags of the scenes
-        # are passed down from the root to the arguments; a node with two users has the flags of
-        # both.
-        reached: dict[Node, Any] = {root: np.True_}
-        for node in reversed(ordered([root], (), at_hand.arguments)):
-            flags = _occurring(node, columns).values() if node.op == "switch" else ()
-            for i, arg in enumerate(at_hand.arguments(node)):
-                own = [*flags][i] if flags else np.True_
-                reached[arg] = reached.get(arg, np.False_) | (reached[node] & own)
+        # A kink in an option counts only in scenes that have this option.
         self._parts: list[tuple[Any, Any]] = []  # table's nodes or None, flags
         nodes: list[Node] = []
-        for node, flags in reached.items():
+        for node, flags in used([root], columns).items():
             if node.op not in JUMPS | KINKS | {"table"}:
                 continue
             x, at = node.args[0], None

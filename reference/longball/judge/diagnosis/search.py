@@ -42,6 +42,7 @@ from longball.judge.diagnosis.expression import (
     contains,
     ordered,
     symbol,
+    used,
     where,
     words,
 )
@@ -196,11 +197,11 @@ class Layer(NamedTuple):
 EVERY = slice(None)
 ALONE = (
     Layer(slice(2_000), EVERY, 50),
-    Layer(slice(10_000), EVERY, 100, pairs=True),
-    Layer(slice(10_000, 80_000), slice(-1, None), 100),
+    Layer(slice(15_000), EVERY, 100, pairs=True),
+    Layer(slice(15_000, 80_000), slice(-1, None), 100),
 )
 BESIDE_ANOTHER = (Layer(slice(5_000), EVERY, 50),)
-OF_OPTION = (Layer(slice(5_000), EVERY, 50, pairs=True),)
+OF_OPTION = (Layer(slice(10_000), EVERY, 50, pairs=True),)
 HELD = 6  # edits of a layer that are verified in all scenes
 # Edits that are tried with a second one, by the kind of stage. Of a flight there are few, because
 # every trial integrates it.
@@ -286,6 +287,8 @@ class Explanation:
     ----------
     all
         The scenes in which edits are verified; the good ones then in every scene.
+    among
+        Scenes by which `rank` orders the edits, if others than those of the search.
     base, null_all
         Residuals of these scenes without an edit, and their cost in bits.
     few
@@ -307,6 +310,7 @@ class Explanation:
     followed: Followed
     layers: tuple[Layer, ...] = ALONE
     pairs: int = 0
+    among: Followed | None = None
     counted: dict[Any, int] = field(default_factory=dict)  # what `_wrong` returns
     telling: dict[tuple[str, Kind], Index] = field(default_factory=dict)  # what `_telling` returns
     # Free numbers with their bits and their spreads, by edit: what `settled` has fitted.
@@ -483,7 +487,7 @@ class Explanation:
                     edits(self.chain, self.stage, defaults(), options, most=likely),
                     edits_of_one_option(self.stage, defaults(), options),
                 )
-                cheapest = heapq.nsmallest(most, every, key=attrgetter("bits"))
+                cheapest = heapq.nsmallest(most, every, key=self.rank)
         parts = [range(len(cheapest))[layer.edits] for layer in self.layers]
         located: list[Located] = []
         names: list[tuple[int, float, Named]] = []  # with the scenes left wrong, and their bits
@@ -492,11 +496,13 @@ class Explanation:
                 continue
             found = self._explained_by(cheapest[layer.edits], part.stop, layer, unseen)
             # All flights share one law. A name that does not hold in the others competes with those
-            # of further layers; and so does an edit whose number costs more than their edits do.
+            # of further layers; and so does a number of many digits, which may stand for one of
+            # their formulas.
             if isinstance(found, Named):
                 left, bits = self._left_by(found), sum(edit.bits for edit in found.edits)
                 names.append((left, bits, found))
-                if left == 0 and (len(found.edits) > 1 or bits <= cheapest[part.stop - 1].bits):
+                last = self.rank(cheapest[part.stop - 1])
+                if left == 0 and (len(found.edits) > 1 or bits <= last + FEW_DIGITS):
                     return found
                 continue
             # The nearest of all edits counts. Those of several layers may explain the stage
@@ -512,6 +518,13 @@ class Explanation:
             return one
         near = tuple(edit for found in located for edit in found.near)
         return replace(min(located, key=attrgetter("left"), default=Located()), near=near)
+
+    @cached_property
+    def rank(self) -> Callable[[Edit], float]:
+        """The function by which `explain` sorts edits; see `_by_use`."""
+        f = self.among or self.followed
+        columns = take(self.columns, f.some)
+        return _by_use(self.stage, f, {**columns, "spin": columns[self.stage.spins]})
 
     def _holds(self, found: Named, unseen: Unseen) -> bool:
         """True if the edits of a name together reproduce the candidate's numbers in new scenes."""
@@ -538,7 +551,7 @@ class Explanation:
             return None
         few, choice = f.of(np.flatnonzero(like)), math.log2(1 + len(shared))
         found = Explanation(
-            self.chain, self.stage, self.data, self.columns, few, OF_OPTION, self.pairs
+            self.chain, self.stage, self.data, self.columns, few, OF_OPTION, self.pairs, among=f
         ).explain()
         if not isinstance(found, Named) or found.mends is not None or found.evidence < choice:
             return None
@@ -1039,6 +1052,8 @@ CHUNK = 10_000  # edits whose effects are in memory at a time
 UNLIKE = 0.8  # fraction of the squared errors that an edit of a flight must not leave
 FURTHER = 12  # groups that are still computed after one that explains the screening scenes
 FEW_EDITS = 20_000  # if fewer cost `LIKELY` bits or less, all are generated
+RIGHT_USES = 2.0  # factor: by how much the right scenes that use a node speak for it
+FEW_DIGITS = NUMBER + 3 * DIGIT  # bits of a number that stands for itself
 SPREAD = 1e-6  # largest relative uncertainty of a number that later stages may show
 FITTED = 1e-8  # relative error of a free number that is fitted in the screening scenes
 BETTER = 0.8  # a pair must leave less than this fraction of the best single edit's cost
@@ -1054,6 +1069,34 @@ RIVALS = 10.0  # bits: an edit that costs more than this above the cheapest is n
 NOTHING, ANYWHERE = 1e-9, 0.1
 MOVED, FLAT = 0.1, 0.3
 USUAL_NUMBER = 0.5  # the value of a free number there
+
+
+def _by_use(
+    stage: Stage, followed: Followed, columns: Mapping[str, Any]
+) -> Callable[[Edit], float]:
+    """Bits of an edit, and of the share of wrong scenes among those that use its node.
+
+    A node that mostly right scenes use is less likely the wrong one.
+    """
+    forms = itertools.chain.from_iterable(stage.forms.values())
+    roots = frozenset((*stage.roots.values(), *forms))
+    users, checked = used([*roots], columns), followed.checked
+
+    @cache
+    def bits(*nodes: Node) -> float:
+        flags = np.any([users.get(node, np.True_) & checked for node in nodes], axis=0)
+        share = ((flags & followed.beyond).sum() + 1) / (flags.sum() + 2)
+        return -RIGHT_USES * math.log2(share)
+
+    def rank(edit: Edit) -> float:
+        node = edit.place if edit.within is None else edit.within[1]
+        if node in roots:  # of a whole formula, the innermost nodes that the edit replaces
+            kept = frozenset(ordered([edit.new]))
+            lost = [x for x in ordered([node], kept) if x not in kept]
+            return edit.bits + bits(*(x for x in lost if kept.issuperset(x.args)))
+        return edit.bits + bits(node if node in users else edit.place)
+
+    return rank
 
 
 def _jumps(stage: Stage) -> set[str]:
