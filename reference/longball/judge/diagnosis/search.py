@@ -172,7 +172,7 @@ def _median(x: Any) -> float:
 
 
 class Layer(NamedTuple):
-    """Budget of a search among some of the edits, which are sorted by their bits.
+    """Budget of a search among some of the edits, which are sorted by `Explanation.rank`.
 
     Attributes
     ----------
@@ -477,31 +477,31 @@ class Explanation:
     # --- the search -------------------------------------------------------------------------------
 
     def explain(self, unseen: Unseen | None = None) -> Named | Located:
-        """The cheapest edit that explains the stage in all scenes; or two, if none does."""
+        """The likeliest edit that explains the stage in all scenes; or two, if none does."""
         wrong = take(self.columns, self.followed.some[self.followed.beyond])
         options = {**wrong, "spin": wrong[self.stage.spins]}
-        most, cheapest = max(layer.edits.stop for layer in self.layers), list[Edit]()
+        most, likeliest = max(layer.edits.stop for layer in self.layers), list[Edit]()
         for likely in (LIKELY, math.inf):
-            if len(cheapest) < min(FEW_EDITS, most):
+            if len(likeliest) < min(FEW_EDITS, most):
                 every = itertools.chain(
                     edits(self.chain, self.stage, defaults(), options, most=likely),
                     edits_of_one_option(self.stage, defaults(), options),
                 )
-                cheapest = heapq.nsmallest(most, every, key=self.rank)
-        parts = [range(len(cheapest))[layer.edits] for layer in self.layers]
+                likeliest = heapq.nsmallest(most, every, key=self.rank)
+        parts = [range(len(likeliest))[layer.edits] for layer in self.layers]
         located: list[Located] = []
         names: list[tuple[int, float, Named]] = []  # with the scenes left wrong, and their bits
         for i, (layer, part) in enumerate(zip(self.layers, parts, strict=True)):
             if not part or part in parts[i + 1 :]:  # another layer has all its edits
                 continue
-            found = self._explained_by(cheapest[layer.edits], part.stop, layer, unseen)
+            found = self._explained_by(likeliest[layer.edits], part.stop, layer, unseen)
             # All flights share one law. A name that does not hold in the others competes with those
             # of further layers; and so does a number of many digits, which may stand for one of
             # their formulas.
             if isinstance(found, Named):
                 left, bits = self._left_by(found), sum(edit.bits for edit in found.edits)
                 names.append((left, bits, found))
-                last = self.rank(cheapest[part.stop - 1])
+                last = self.rank(likeliest[part.stop - 1])
                 if left == 0 and (len(found.edits) > 1 or bits <= last + FEW_DIGITS):
                     return found
                 continue
