@@ -90,9 +90,10 @@ CAREFUL, TOTAL = 1e-12, 3e-11  # relative errors of each controlled step, and of
 # until it is shorter than LEAST of the flight.
 BESIDE, LEAST = 1 / 512, 1e-11
 BISECTIONS = 11  # steps of bisection that locate a kink: 2⁻¹¹ is a fourth of BESIDE
+CUTS = 150  # further steps of a controlled flight: an edited law may switch anywhere
 # A ball is stuck if it covers less than PROGRESS of its flight in PATIENCE steps. A kink takes
 # about ten.
-PROGRESS, PATIENCE = 0.01, 32
+PROGRESS, PATIENCE = 1e-3, 32
 
 Index = NDArray[np.integer[Any]]  # positions of scenes
 
@@ -546,13 +547,14 @@ def _in_controlled_steps(balls: Launched, duration: Array, steps: Array) -> tupl
     the next targets are just before it and just beyond. The short step between those may be divided
     in the same way, until it is shorter than `LEAST`.
 
-    Return also the relative errors; `HUGE` for a ball that is stuck, as where a force points
-    against each motion: it covers less than `PROGRESS` of its flight in `PATIENCE` steps.
+    Return also the relative errors; `HUGE` for a ball that does not arrive in `CUTS` more steps, or
+    is stuck, as where a force points against each motion: it covers less than `PROGRESS` of its
+    flight in `PATIENCE` steps.
     """
     # Each ball has its own `whole`, the step that the error allows; `before` and `beyond`, the
     # times next to the last kink found; `here`, the present piece of the law; and `reached`, the
     # time when its progress was last checked.
-    longest = 1.0 / steps
+    longest, most = 1.0 / steps, CUTS + 10 * steps
     y, t, whole = balls.y, np.zeros(len(steps)), longest
     before, beyond, reached = np.zeros_like(t), np.zeros_like(t), np.zeros_like(t)
     here, found, index = balls.piece(y, t), y.copy(), np.arange(len(t))
@@ -579,8 +581,8 @@ def _in_controlled_steps(balls: Launched, duration: Array, steps: Array) -> tupl
         stays = crossed | coarse
         y, here = np.where(stays, y, new), np.where(stays, here, there)
         t = np.where(stays, t, t + step)
-        flies &= t < 1.0 - LEAST
         taken += 1
+        flies &= (t < 1.0 - LEAST) & (taken < most)
         if taken % PATIENCE == 0:
             flies &= t - reached > PROGRESS
             reached = t
@@ -591,8 +593,8 @@ def _in_controlled_steps(balls: Launched, duration: Array, steps: Array) -> tupl
             if not flies.any():
                 return found, doubt
             balls, index, y = balls.some(np.flatnonzero(flies)), index[flies], y[:, flies]
-            t, whole, before, beyond, reached, longest, duration = (
-                x[flies] for x in (t, whole, before, beyond, reached, longest, duration)
+            t, whole, before, beyond, reached, longest, most, duration = (
+                x[flies] for x in (t, whole, before, beyond, reached, longest, most, duration)
             )
             here, flies = balls.piece(y, t * duration), flies[flies]
 
