@@ -16,7 +16,7 @@ from longball.judge.diagnosis import sentences
 from longball.judge.diagnosis.chain import CHAIN, CHAIN_IN_STEPS, Kind, Stage
 from longball.judge.diagnosis.clocks import Scheme
 from longball.judge.diagnosis.digits import explain_digits, with_digits
-from longball.judge.diagnosis.evidence import is_adequate
+from longball.judge.diagnosis.evidence import FEWEST, is_adequate
 from longball.judge.diagnosis.expression import contains, ordered, substitute
 from longball.judge.diagnosis.findings import Diagnosis, Finding
 from longball.judge.diagnosis.integrators import BATTED, Way, in_steps, straight
@@ -337,6 +337,8 @@ def _explained(
         for kind in (Named, Scheme)
     )
     rest = in_steps or any(_shares_formula(stage, other) for other in edited)
+    if rest and one.beyond.sum() < FEWEST:  # too few scenes to tell a second mistake
+        return [Located()]
     layers, pairs = (ALONE[:2], 0) if rest else (ALONE, PAIRS[stage.kind])
     search = Explanation(chain, stage, data, columns, one, layers, pairs)
     if not rest and (conditional := search.of_one_option()) is not None:

@@ -287,8 +287,8 @@ class Explanation:
     ----------
     all
         The scenes in which edits are verified; the good ones then in every scene.
-    among
-        Scenes by which `rank` orders the edits, if others than those of the search.
+    whole
+        The search in all scenes, if this is one in a part of them: it has the same edits.
     base, null_all
         Residuals of these scenes without an edit, and their cost in bits.
     few
@@ -310,7 +310,7 @@ class Explanation:
     followed: Followed
     layers: tuple[Layer, ...] = ALONE
     pairs: int = 0
-    among: Followed | None = None
+    whole: Explanation | None = None
     counted: dict[Any, int] = field(default_factory=dict)  # what `_wrong` returns
     telling: dict[tuple[str, Kind], Index] = field(default_factory=dict)  # what `_telling` returns
     # Free numbers with their bits and their spreads, by edit: what `settled` has fitted.
@@ -478,16 +478,7 @@ class Explanation:
 
     def explain(self, unseen: Unseen | None = None) -> Named | Located:
         """The likeliest edit that explains the stage in all scenes; or two, if none does."""
-        wrong = take(self.columns, self.followed.some[self.followed.beyond])
-        options = {**wrong, "spin": wrong[self.stage.spins]}
-        most, likeliest = max(layer.edits.stop for layer in self.layers), list[Edit]()
-        for likely in (LIKELY, math.inf):
-            if len(likeliest) < min(FEW_EDITS, most):
-                every = itertools.chain(
-                    edits(self.chain, self.stage, defaults(), options, most=likely),
-                    edits_of_one_option(self.stage, defaults(), options),
-                )
-                likeliest = heapq.nsmallest(most, every, key=self.rank)
+        likeliest = self.likeliest
         parts = [range(len(likeliest))[layer.edits] for layer in self.layers]
         located: list[Located] = []
         names: list[tuple[int, float, Named]] = []  # with the scenes left wrong, and their bits
@@ -520,11 +511,30 @@ class Explanation:
         return replace(min(located, key=attrgetter("left"), default=Located()), near=near)
 
     @cached_property
+    def likeliest(self) -> list[Edit]:
+        """The edits of all layers, sorted by `rank`."""
+        if self.whole is not None:
+            return self.whole.likeliest
+        wrong = take(self.columns, self.followed.some[self.followed.beyond])
+        options = {**wrong, "spin": wrong[self.stage.spins]}
+        most, found = max(layer.edits.stop for layer in self.layers), list[Edit]()
+        for likely in (LIKELY, math.inf):
+            if len(found) < min(FEW_EDITS, most):
+                every = itertools.chain(
+                    edits(self.chain, self.stage, defaults(), options, most=likely),
+                    edits_of_one_option(self.stage, defaults(), options),
+                )
+                found = heapq.nsmallest(most, every, key=self.rank)
+        return found
+
+    @cached_property
     def rank(self) -> Callable[[Edit], float]:
-        """The function by which `explain` sorts edits; see `_by_use`."""
-        f = self.among or self.followed
-        columns = take(self.columns, f.some)
-        return _by_use(self.stage, f, {**columns, "spin": columns[self.stage.spins]})
+        """The function by which edits are sorted; see `_by_use`."""
+        if self.whole is not None:
+            return self.whole.rank
+        columns = take(self.columns, self.followed.some)
+        own = {**columns, "spin": columns[self.stage.spins]}
+        return _by_use(self.stage, self.followed, own)
 
     def _holds(self, found: Named, unseen: Unseen) -> bool:
         """True if the edits of a name together reproduce the candidate's numbers in new scenes."""
@@ -551,7 +561,7 @@ class Explanation:
             return None
         few, choice = f.of(np.flatnonzero(like)), math.log2(1 + len(shared))
         found = Explanation(
-            self.chain, self.stage, self.data, self.columns, few, OF_OPTION, self.pairs, among=f
+            self.chain, self.stage, self.data, self.columns, few, OF_OPTION, self.pairs, whole=self
         ).explain()
         if not isinstance(found, Named) or found.mends is not None or found.evidence < choice:
             return None
@@ -676,7 +686,7 @@ class Explanation:
             if not (lost := bool((r == LOST).any())) and cost(r) >= NEARER * self.null:
                 continue
             if lost or self._moves_jumps(stage):
-                c, r, _ = fitted(exactly, [c], 2)
+                c, r, _ = fitted(exactly, c[None], 2)
             number = 0.0
             if edit.starts:
                 best = float(c[0])
