@@ -317,6 +317,7 @@ class Explanation:
     numbers: dict[Edit, tuple[float, float, float]] = field(default_factory=dict)
     # Edits of all layers that are better than chance, but do not explain every scene.
     partial: list[_Verified] = field(default_factory=list)
+    least: float = 1.0  # smallest fraction of the squared errors that an edit leaves to first order
 
     def __post_init__(self) -> None:
         f, stage = self.followed, self.stage
@@ -485,6 +486,8 @@ class Explanation:
         for i, (layer, part) in enumerate(zip(self.layers, parts, strict=True)):
             if not part or part in parts[i + 1 :]:  # another layer has all its edits
                 continue
+            if part.start and self.least > SHOWS:  # errors like noise, which no edit explains
+                break
             found = self._explained_by(likeliest[layer.edits], part.stop, layer, unseen)
             # All flights share one law. A name that does not hold in the others competes with those
             # of further layers; and so does a number of many digits, which may stand for one of
@@ -649,8 +652,10 @@ class Explanation:
             every = [Effects(way, part, starts, errors) for way, errors in responses]
             self.fits = every[0]
             # Flights are expensive: skip edits that explain almost nothing to first order.
-            unlike = flies & (np.min([one.left() for one in every], axis=0) > UNLIKE)
+            left = np.min([one.left() for one in every], axis=0)
+            unlike = flies & (left > UNLIKE)
             bits.append(np.where(unlike, np.inf, np.min([one.bits() for one in every], axis=0)))
+            self.least = min(self.least, float(left.min(initial=1.0)))
         total = np.concatenate(bits)
         ranks = np.argsort(total, kind="stable")[: np.isfinite(total).sum()]
         # Group equal edits. Skip an edit that changes nothing, and a constant in place of a divisor
@@ -1060,6 +1065,7 @@ SHARED = math.log2(ODDS)  # bits: least evidence that an option is the condition
 NOISY = 10.0  # times the errors of right scenes: largest ones of scenes that an edit mends
 CHUNK = 10_000  # edits whose effects are in memory at a time
 UNLIKE = 0.8  # fraction of the squared errors that an edit of a flight must not leave
+SHOWS = 0.5  # fraction that the best of the likelier edits may leave if there is a cause at all
 FURTHER = 12  # groups that are still computed after one that explains the screening scenes
 FEW_EDITS = 20_000  # if fewer cost `LIKELY` bits or less, all are generated
 RIGHT_USES = 2.0  # factor: by how much the right scenes that use a node speak for it
