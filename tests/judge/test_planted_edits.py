@@ -24,6 +24,7 @@ from longball.judge.diagnosis.expression import (
     substitute,
     words,
 )
+from longball.judge.diagnosis.operators import Edit
 from longball.judge.diagnosis.residual import Data, specialised_to, values
 from longball.judge.diagnosis.search import OF_OPTION, PAIRS, Explanation, Named
 from longball.model.scene import AtBatScene
@@ -295,7 +296,16 @@ def test_a_mistake_in_one_option_costs_the_choice_of_the_option():
     wrong = off(stage, data, columns)
     like = np.flatnonzero(columns[key][wrong.some] == option)
     there = Explanation(chain, stage, data, columns, wrong.of(like), OF_OPTION).explain()
-    found = Explanation(chain, stage, data, columns, wrong).of_one_option()
+    search = Explanation(chain, stage, data, columns, wrong)
+    # Among edits of equal bits, those of the option come before those of nodes that all scenes use.
+    (root,) = stage.roots.values()
+    (chosen,) = (node for node in ordered([root]) if node.op == "switch" and node.data[0] == key)
+    arm = chosen.args[chosen.data[1].index(option)]
+    bits = [search.rank(Edit(node, -node, 1.0, "")) for node in (arm, chosen, root)]
+    other = substitute(root, arm, constant(1.0, arm.dimension))
+    within = search.rank(Edit(root, other, 1.0, ""))
+    assert max(bits[0], within) < bits[1] < bits[2]
+    found = search.of_one_option()
     assert isinstance(there, Named)
     assert isinstance(found, Named)
     assert found.evidence == pytest.approx(there.evidence - 1.0)

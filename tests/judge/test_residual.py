@@ -82,6 +82,22 @@ def test_a_flight_with_too_many_steps_states_a_huge_error():
         assert residual._flown(balls, balls.duration, FINE)[1] == [error]
 
 
+def test_a_ball_between_two_forces_is_stuck_and_the_others_fly_on():
+    """Friction of 40 m/s² against each motion: after 0.5 s the ball can move neither way."""
+    calls = []
+
+    def pull(at: Any, t: Any) -> Any:
+        calls.append(at.shape[1])
+        return -40.0 * np.sign(at[5])
+
+    times = np.array([5.0, 0.4])
+    balls = thrown(times, pull, piece=lambda at, t: np.atleast_2d(at[5] > 0))
+    found, doubt = residual._flown(balls, times, FINE)
+    assert found[2, 1] == pytest.approx(1 + 20 * 0.4 - 20 * 0.4**2, rel=1e-12)
+    assert doubt.tolist() == [HUGE, residual.TOTAL]
+    assert len(calls) < 1500  # evaluations of the law: a flight to the ground takes some hundreds
+
+
 @pytest.mark.parametrize("level", [5.0, 15.37, 20.9])
 def test_a_jump_on_the_way_is_met_exactly(level: float):
     """Gravity is 10 below a height and 20 above it; parabolas on both sides."""

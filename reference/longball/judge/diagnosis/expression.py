@@ -743,7 +743,7 @@ def used(roots: Sequence[Node], columns: Columns) -> dict[Node, Any]:
     for node in reversed(ordered(roots, (), at_hand.arguments)):
         flags = [*_occurring(node, columns).values()] if node.op == "switch" else ()
         for i, arg in enumerate(at_hand.arguments(node)):
-            own = flags[i] if flags else np.True_
+            own: Any = flags[i] if flags else np.True_
             found[arg] = found.get(arg, np.False_) | (found[node] & own)
     return found
 

@@ -1109,7 +1109,8 @@ def _by_use(
         if node in roots:  # of a whole formula, the innermost nodes that the edit replaces
             kept = frozenset(ordered([edit.new]))
             lost = [x for x in ordered([node], kept) if x not in kept]
-            return edit.bits + bits(*(x for x in lost if kept.issuperset(x.args)))
+            inner = [x for x in lost if kept.issuperset(x.args)]
+            return edit.bits + bits(*(inner or [node]))
         return edit.bits + bits(node if node in users else edit.place)
 
     return rank
