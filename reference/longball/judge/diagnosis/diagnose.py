@@ -35,7 +35,7 @@ from longball.judge.diagnosis.residual import (
 )
 from longball.judge.diagnosis.scenes import rule
 from longball.judge.diagnosis.schemes import Steps, explain_push, explain_scheme, with_edit
-from longball.judge.diagnosis.search import ALONE, PAIRS, Explanation, Located, Named
+from longball.judge.diagnosis.search import ALONE, PAIRS, WRONG, Explanation, Located, Named
 from longball.judge.diagnosis.unseen import Solve, Unseen
 
 
@@ -225,7 +225,7 @@ class Reasoned:
 LAST, SPREADS = 1e-7, 10.0
 # A later flight is explained before the first wrong one if it tells more by this factor.
 CLEARER = 2.0
-ENOUGH = 20  # wrong scenes: twice those of a screening, so that their conditions differ
+ENOUGH = WRONG  # wrong scenes that tell as much as any: those of a screening
 ROUNDS = 3  # explanations of one stage; each explains the rest of the one before
 
 

@@ -1100,7 +1100,7 @@ def _by_use(
 
     @cache
     def bits(*nodes: Node) -> float:
-        flags = np.any([users.get(node, np.True_) & checked for node in nodes], axis=0)
+        flags = np.any([users.get(node, np.False_) & checked for node in nodes], axis=0)
         share = ((flags & followed.beyond).sum() + 1) / (flags.sum() + 2)
         return -RIGHT_USES * math.log2(share)
 
