@@ -223,7 +223,7 @@ def _held(test: Test, told: Told, without: Node | None = None) -> Array:
         if condition is without:
             continue
         with np.errstate(all="ignore"):
-            value = np.asarray(evaluate(condition, told.columns), float) + 0.0 * found
+            value = np.asarray(evaluate(condition, told.columns), float) + np.zeros(len(told))
         # A condition is unknown if a value is missing; if it is a tie; or if, in a scene with a
         # wrong outcome and after a wrong stage, it contains a value that is not the candidate's
         # own.

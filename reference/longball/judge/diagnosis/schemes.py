@@ -154,7 +154,8 @@ class Steps:
         def largest(some: Index) -> Array:
             made = self.made(INTEGRATORS, TRIALS[0], some)
             floors = (self.followed.floor / self.followed.scale)[:, None, some]
-            return np.asarray((np.abs(made) / floors).max(axis=(0, 2)))
+            # A floor is NaN where the candidate gives no number.
+            return np.asarray(np.nanmax(np.abs(made) / floors, axis=(0, 2)))
 
         enough = ADEQUATE * largest(wrong) > SHOWS * largest(right)
         return [one for one, shows in zip(INTEGRATORS, enough, strict=True) if shows]
