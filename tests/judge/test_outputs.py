@@ -89,6 +89,7 @@ def test_conversions_are_named_and_undone(truth):
         assert wrong(converted)
         data, (found,) = outputs(converted, specialised_to(converted))
         assert found.edit == edit
+        assert found.stage == ("all" if edit.startswith("all ") else "output")
         assert str(found.remedy).startswith(remedy)
         assert wrong(data) == []
     assert len(wrong(in_feet(truth))) > 4

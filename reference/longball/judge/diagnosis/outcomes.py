@@ -344,8 +344,6 @@ class _Search:
                 points.append(evaluate(f, self.told.columns) + np.zeros(len(self.told)))
         slopes = [b - a for a, b in pairwise(points)]
         usable = np.isfinite(points[2]) & np.isclose(slopes[0], slopes[1], rtol=1e-9, atol=0.0)
-        if not usable.any():
-            return None
         # Is the candidate's fact possible if the test holds? And if it does not?
         can = []
         for x in (1.0, 0.0):
@@ -570,8 +568,6 @@ def _ways(search: _Search, left: Bools, accounted: Bools, unknown: Bools) -> lis
             continue
         fixed = left & agrees
         fixed &= ~np.isin(pairs, pairs[left & ~agrees])  # a kind of mistake is explained whole
-        if not fixed.any():
-            continue
         # A scene is evidence only if the edited test decides it, and no wrong stage can be the
         # cause.
         spent = bits + search.cost(possible, fixed)

@@ -214,7 +214,7 @@ def _others(data: Data) -> Iterator[Conversion]:
     """Conversions of a quantity that equals another one of the candidate's."""
     for q, mine in data.given.items():
         for other, theirs in data.given.items():
-            if q == other or (OWN[q].dimension, mine.ndim) != (OWN[other].dimension, theirs.ndim):
+            if (OWN[q].dimension, mine.ndim) != (OWN[other].dimension, theirs.ndim):
                 continue
             both = np.isfinite(mine) & np.isfinite(theirs)
             apart = np.abs(data.expected[q] - data.expected[other]) > 1e-6
@@ -222,9 +222,6 @@ def _others(data: Data) -> Iterator[Conversion]:
             # value cannot be recovered, and counts as missing.
             if (both & apart).any() and (mine == theirs)[both].all():
                 wrong = {q: np.where(both, np.nan, mine)}
-                if q == "landing.hang_time":  # can be recovered from the other times
-                    begun = np.nan_to_num(data.given["contact.time"])
-                    wrong = {q: data.given["landing.time"] - begun}
                 bits = BITS["other"] + 2 * math.log2(len(OWN))
                 yield Conversion(
                     (q,), f"{q} equals your {other}", bits, f"give {q}, not {other}", wrong
