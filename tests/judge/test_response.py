@@ -19,7 +19,7 @@ from longball.judge.diagnosis.residual import (
     take,
     values,
 )
-from longball.judge.diagnosis.response import Direct, Effects, Response, cubic
+from longball.judge.diagnosis.response import Direct, Effects, Response, cubic, free
 from longball.judge.diagnosis.search import defaults
 from tests.judge.material import known, truth
 
@@ -177,3 +177,23 @@ def test_a_longer_path_takes_more_of_the_spin():
     longer = {**columns, FREE: np.full(len(columns["kind"]), factor)}
     flown = values(edited, longer)[spin] - values(stage, columns)[spin]
     assert foreseen == pytest.approx(flown, abs=2e-3 * np.abs(flown).max())
+
+
+def test_the_effects_on_free_balls_are_those_on_parabolas():
+    """However large they are: in a vacuum, a parabola is its own cubic."""
+    chain, stage, columns = stage_of("flight-vacuum", "flight")
+    balls = launched(stage, columns)
+    lasts, end = balls.duration, flown(balls, balls.duration)[:6]
+    way = Response(stage, Values(columns), cubic(end), free)
+    assert way.off(end + 3.0) == pytest.approx(np.full_like(end, 3.0))
+    v, g, none = balls.y[3:6], columns["g"] * np.array([[0], [0], [-1]]), np.zeros((3, SCENES))
+    for words, number, place, velocity in (
+        ("uses {c} times g", 5.0, 2 * g * lasts**2, 4 * g * lasts),
+        ("uses the components (x, -y, z) of dr/dt", None,
+         v * lasts * np.array([[0], [-2], [0]]), none),
+        ("uses {c} times launch.velocity", 3.0, 2 * v * lasts, 2 * v),
+        ("uses {c} times hang_time", 1.5, end[3:] * lasts / 2, g * lasts / 2),
+    ):  # fmt: skip
+        edit = edit_of(chain, stage, columns, words)
+        moved = way.moved([(edit, number)])[0, :6]
+        assert moved == pytest.approx(np.concatenate([place, velocity]), abs=1e-9), words
