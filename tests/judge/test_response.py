@@ -163,7 +163,10 @@ def test_pairs_are_ranked_by_least_squares():
         if all(0.5 < x < 2.0 for x, (_, fixed) in zip(fit, columns, strict=True) if fixed):
             left[frozenset(pair)] = rest
     assert len(left) > 6
-    found = Effects(Given(effects), [*edits], [*edits.values()], off).pairs(99)
+    nothing = Edit(symbol("a"), symbol("b"), 3.0, "nothing")
+    every, starts = [*edits, nothing], [*edits.values(), ()]
+    given = Given(effects | {nothing: np.zeros((2, 6, 1))})
+    found = Effects(given, every, starts, off).pairs(99)
     ranked = [frozenset((one, other)) for (one, _), (other, _) in found if one is not other]
     assert ranked == sorted(left, key=left.__getitem__)
 

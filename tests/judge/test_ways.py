@@ -184,6 +184,7 @@ def test_a_law_and_a_scheme_are_found_together():
     edit, scheme = with_edit(Steps(stage, data, columns, one), times)
     assert edit is times[1]
     assert scheme.way == way
+    assert 0 < scheme.evidence < most(one) - scheme.bits - edit.bits
 
 
 @pytest.mark.nightly  # every scheme is tried, and every last step
