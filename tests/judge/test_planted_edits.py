@@ -95,6 +95,9 @@ FORMULAS: dict[str, list[Callable[[Any], Any]]] = {
         lambda c: swung(c.swing * (c.length / 2 + c.y), c),
         lambda c: swung(-c.swing * c.y, c),
         lambda c: swung(c.swing * (c.length / 2 - abs(c.y)), c),
+        lambda c: c.V_b + c.r_b * np.cross(
+            c.swing * np.array([-np.sin(c.tilt), 0 * c.tilt, np.cos(c.tilt)]), c.n, axis=0
+        ),
         lambda c: swung(c.swing * c.lever, c, np.radians(c.tilt)),
         lambda c: c.swing * c.lever * np.array([np.sin(c.tilt), 0 * c.tilt, np.cos(c.tilt)]),
         lambda c: c.swing * c.lever * np.array([1 + 0 * c.tilt, 0 * c.tilt, c.tilt]),
@@ -130,6 +133,7 @@ FORMULAS: dict[str, list[Callable[[Any], Any]]] = {
         lambda c: struck(c, c.m),
         lambda c: struck(c, (c.m + c.M) / 2),
         lambda c: struck(c, c.m + c.M),
+        lambda c: struck(c, c.m * c.M / (c.m + c.M)),
         lambda c: struck(c, c.m * c.M / np.sqrt(c.m**2 + c.M**2)),
         lambda c: c.J / (1 + c.bounce),
         lambda c: c.J * (1 - c.bounce) / (1 + c.bounce),
@@ -143,6 +147,7 @@ FORMULAS: dict[str, list[Callable[[Any], Any]]] = {
     "impact.velocity": [
         lambda c: c.V - c.J / c.m * c.n,
         lambda c: c.V + c.J / c.M * c.n,
+        lambda c: c.V + c.J * (c.m + c.M) / (c.m * c.M) * c.n,
         lambda c: c.V + c.J * c.n,
         lambda c: -c.bounce * c.V,
         lambda c: -c.kept * c.V,

@@ -30,6 +30,7 @@ from longball.judge.diagnosis.residual import (
     inputs,
     options,
     specialised_to,
+    with_every_option,
 )
 from longball.model.scene import AtBatScene, FlightScene, Launch, parse_scene
 from tests.judge.material import known, right, truth
@@ -133,6 +134,15 @@ def test_evenly():
     assert np.array_equal(evenly(every, 3), [0, 50, 99])
     assert np.array_equal(evenly(every[:3], 3), every[:3])
     assert len(evenly(every, 40)) == len({*evenly(every, 40).tolist()}) == 40
+
+
+def test_scenes_with_every_option():
+    numbers, one = np.arange(3.0), np.array(["p", "q", "q"])
+    for other, expected in ((["x", "y", "y"], {0, 1}), (["x", "x", "y"], {0, 1, 2})):
+        found = with_every_option({"n": numbers, "b": one, "a": np.array(other)})
+        assert {*found.tolist()} == expected
+        assert len(found) == len(expected)
+    assert not with_every_option({"n": numbers}).size
 
 
 def test_columns_of_scenes():
