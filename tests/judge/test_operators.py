@@ -276,6 +276,7 @@ def test_siblings():
     assert kin(function("sin", x)) == one(math.cos(2), math.tan(2), 2, 1, 2 - 8 / 6)
     assert kin(function("cos", x)) == one(math.sin(2), math.tan(2), 2, 1, -1)
     assert kin(function("sqrt", p)) == one(3)
+    assert kin(function("atan2", x, y)) == one(math.atan(2 / 5), math.atan2(5, 2))
     assert kin(function("exp", x)) == one(3)
     assert kin(function("abs", p - q, dimension=M)) == one(-4, 4)
     assert kin(function("positive", p - q, dimension=M)) == one(-4)

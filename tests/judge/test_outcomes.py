@@ -25,6 +25,7 @@ from tests.judge.material import known
 BATS = ("impact", "at-bat")
 ENDS = (*BATS, "hard", "at-bat-real")  # in which more balls are met beyond the end of the bat
 FENCES = ("fence", "combined")
+MET = ("struck", "batted", "separating")  # by the bat, and not beyond it
 
 FLIGHTS: dict[Any, Any] = {}  # which most tests have in common
 
@@ -116,6 +117,10 @@ NAMED = {
     "one end of the bat": (
         ENDS, instead(batted, "beyond_bat", lambda c: side(c) < 0),
         "says beyond_bat if contact.position_y > L/2, not if |", ""),
+    "a quarter of the bat": (
+        ENDS, {"outcome": lambda c: "beyond_bat" if c.expected.outcome in MET
+               and abs(side(c)) > c.scene.bat.length / 4 else None},
+        "says beyond_bat by a test that uses L/2 for L", ""),
     "a condition is dropped": (
         FENCES, instead(lambda c: "home_run", "landed", lambda c: c.expected.fence),
         "says home_run whether or not the ball is fair", ""),

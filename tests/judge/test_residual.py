@@ -200,6 +200,11 @@ def test_errors_within_the_tolerance_follow(drives: Any):
     assert told(2e-9).beyond.all()
     assert told(2e-9).relative == pytest.approx(np.full(len(some), 2e-9), rel=1e-3)
     assert not told(1e-6, granted=1.0).wrong.any()
+    # Four times the noise that rounded values propagate
+    for noise, is_wrong in ((0.24e-6, True), (0.26e-6, False)):
+        slips = noise * data.given["landing.distance"]
+        found = told(1e-6, slips=lambda *_, by=slips: by[None])
+        assert (found.wrong == is_wrong).all()
     assert not told(1e-6, cut={"landing.distance": (0.0, 2e-6)}).wrong.any()
     assert not told(1e-6, cut={"landing.distance": (1e-3, 0.0)}).wrong.any()
     assert told(1e-4, cut={"landing.distance": (1e-3, 0.0)}).wrong.any()

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+import math
 from typing import Any
 
 import numpy as np
@@ -149,7 +150,7 @@ class Given:
 
 def test_pairs_are_ranked_by_least_squares():
     rng = np.random.default_rng(5)
-    edits = {Edit(symbol("a"), symbol("b"), 3.0, str(i)): (1.0,) * (i < 8) for i in range(12)}
+    edits = {Edit(symbol("a"), symbol("b"), i / 3, str(i)): (1.0,) * (i < 8) for i in range(12)}
     effects = {edit: rng.normal(size=(2, 6, 1)) for edit in edits}
     off = rng.normal(size=(6, 1))
     scale = np.sqrt((off * off).sum(axis=0))
@@ -161,12 +162,16 @@ def test_pairs_are_ranked_by_least_squares():
         matrix = np.array([(effect / scale).ravel() for effect, _ in columns]).T
         fit, (rest,), *_ = np.linalg.lstsq(matrix, (off / scale).ravel())
         if all(0.5 < x < 2.0 for x, (_, fixed) in zip(fit, columns, strict=True) if fixed):
-            left[frozenset(pair)] = rest
+            whole = len(off)  # errors of size 1: a factor of 2 between them is a bit each
+            left[frozenset(pair)] = whole / 2 * math.log2(rest / whole) + sum(e.bits for e in pair)
     assert len(left) > 6
     nothing = Edit(symbol("a"), symbol("b"), 3.0, "nothing")
     every, starts = [*edits, nothing], [*edits.values(), ()]
     given = Given(effects | {nothing: np.zeros((2, 6, 1))})
-    found = Effects(given, every, starts, off).pairs(99)
+    ranking = Effects(given, every, starts, off)
+    alone = 3 * np.log2(ranking.left()) + [edit.bits for edit in every]
+    assert ranking.bits() == pytest.approx(alone)
+    found = ranking.pairs(99)
     ranked = [frozenset((one, other)) for (one, _), (other, _) in found if one is not other]
     assert ranked == sorted(left, key=left.__getitem__)
 

@@ -384,7 +384,7 @@ class _Search:
 # Factors that may explain outcomes by coincidence. An outcome shows only the side of a limit on
 # which a scene lies: a limit 3 times as large may divide the scenes as well as the candidate's
 # limit.
-_COINCIDENCES = {FREE, *(x for x, meaning in FACTORS.items() if not meaning)} - {2.0, 0.5}
+_COINCIDENCES = {FREE, *(x for x, meaning in FACTORS.items() if not meaning)}
 
 
 def _is_coincidence(edit: Edit) -> bool:

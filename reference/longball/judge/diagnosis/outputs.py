@@ -14,11 +14,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from longball.judge.diagnosis.chain import INPUTS, OWN, Stage
-from longball.judge.diagnosis.expression import NONE, M, S
+from longball.judge.diagnosis.expression import M, S
 from longball.judge.diagnosis.findings import Finding, joined, many
 from longball.judge.diagnosis.operators import AXES, BITS, FACTORS
 from longball.judge.diagnosis.residual import Data, Index, evenly, follow
 from longball.judge.diagnosis.scenes import rule
+from longball.judge.quantities import QUANTITIES
 from longball.model.arrays import Array
 
 # A stage is mended if the right conversion leaves at most this fraction of its largest relative
@@ -229,6 +230,5 @@ def _others(data: Data) -> Iterator[Conversion]:
 
 
 def _remedy(own: Sequence[str]) -> str:
-    units = {M: "m", S: "s", SPEED: "m/s", (0, 0, -1): "rad/s", NONE: "its own"}
-    kinds = dict.fromkeys(units.get(OWN[q].dimension, "SI units") for q in own)
-    return f"give {joined(own) if len(own) < 3 else 'them'} in {joined(list(kinds))}"
+    units = dict.fromkeys(QUANTITIES[q].unit or "its own" for q in own)
+    return f"give {joined(own) if len(own) < 3 else 'them'} in {joined(list(units))}"
