@@ -360,7 +360,7 @@ def _fraction(x: float) -> str:
 def together(some: Sequence[Integrator], count: int) -> Integrator:
     """Integrators that are `like` each other as one, which flies `count` balls by each in turn."""
     tables = [one.step for one in some if isinstance(one.step, Table)]
-    if len(some) == 1 or not tables:  # an integrator without a table is `like` no other
+    if not tables:  # an integrator without a table is `like` no other
         return some[0]
 
     def repeated(name: str) -> Array:

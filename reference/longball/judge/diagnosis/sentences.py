@@ -247,7 +247,7 @@ def _beside_surface(one: Followed) -> Iterable[str]:
     """Words for the distance between an event's point and its surface."""
     quantity = one.stage.quantities[0]
     off = np.where(np.abs(one.off) > one.tolerance, one.off, 0.0)
-    if one.stage.kind != "event" or not off.any() or quantity not in _SURFACES:
+    if one.stage.kind != "event" or not off.any():
         return
     surface, noun, *sides = _SURFACES[quantity]
     far = [
