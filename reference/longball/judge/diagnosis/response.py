@@ -386,7 +386,7 @@ class Effects:
                 across = m - slant**2 / n
                 q = np.where(across > PARALLEL, (other @ rest - slant * p) / across, 0.0)
                 by = p - np.where(q == 0.0, 0.0, slant / n * q)
-            fitted = np.where(p == 0.0, 0.0, n * p**2) + np.where(q == 0.0, 0.0, across * q**2)
+            fitted = n * p**2 + np.where(q == 0.0, 0.0, across * q**2)
             left = np.maximum(rest @ rest - fitted, 0.0) / whole
             # Without a free number, the fitted size of an effect must be near its own size.
             does = free | ((by > size / ABOUT) & (by < size * ABOUT))
