@@ -63,7 +63,7 @@ def test_flights_of_any_length():
         rising = 20 * np.cos(times) - np.sin(times)
     assert found[2] == pytest.approx(expected, abs=1e-9, nan_ok=True)
     assert found[5] == pytest.approx(rising, abs=1e-9, nan_ok=True)
-    times = np.array([0.05, 75.0])
+    times = np.array([0.05, 300.0])
     parabola = flown(thrown(times, lambda at, t: np.full(at.shape[1], -10.0)), times)
     assert parabola[2] == pytest.approx(1 + 20 * times - 5 * times**2, rel=1e-13)
     times = np.array([0.1, 2.0, 5.0])
