@@ -153,6 +153,8 @@ def test_columns_of_scenes():
     assert found["launch.velocity"][:, 0].tolist() == [30, 1, 20]
     assert np.isnan(found["launch.velocity"][:, 1]).all()
     assert np.isnan(found["V_0"][0])
+    # A program that ignores that there is no spin takes 0 for it.
+    assert found["launch.spin"][:, 0].tolist() == found["pitch.spin"][:, 1].tolist() == [0, 0, 0]
     assert found["β"].tolist() == [0.4, 0.4]
     assert found["ρ_0"][0] == found["ρ_0"][1]  # null is replaced by the default air
     assert (options(calm)["air"], options(calm)["spin"], options(calm)["pitch"]) == (
