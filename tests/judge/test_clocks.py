@@ -32,6 +32,7 @@ def test_the_bits_of_a_lattice():
     assert bits - 16 < chosen < bits - 12  # some ten thousand steps are tried
     assert lattice(TIMES / 2) is None or lattice(TIMES / 2)[0] != 0.01
     assert lattice(np.append(TIMES, [np.nan, 0.1234]))[0] == pytest.approx(0.01)
+    assert lattice(np.append(TIMES[:4], 6.0033), dt=0.01) is not None  # four of five
 
 
 def test_no_lattice():
@@ -68,7 +69,7 @@ def test_rules():
     assert "0.0125 s before" in text
     assert "0.0125 s after" in rule(np.full(7, -0.0125), odd)[1]
     # One of the states may be of another time.
-    assert rule(np.array([0.0125] * 6 + [0.3]), odd)[0].step == 0.0125
+    assert rule(np.array([0.0125] * 4 + [0.3]), odd[:5])[0].step == 0.0125
     for side, whole in (("before", np.floor), ("after", np.ceil)):
         at, text = rule(odd - whole(odd / 0.01) * 0.01, odd)
         assert at.times == pytest.approx(whole(odd / 0.01) * 0.01)
@@ -77,6 +78,8 @@ def test_rules():
     multiples, text = rule(np.random.default_rng(2).uniform(-0.009, 0.009, 7))
     assert multiples.step == pytest.approx(0.01)
     assert "multiples" in text
+    # A state of a time that is more than a step away is not that of the multiple.
+    assert rule(np.random.default_rng(2).uniform(-0.2, 0.2, 7))[0].step is None
     free, text = rule(np.random.default_rng(2).uniform(-0.2, 0.2, 7), odd)
     assert free.step is None
     assert free.bits > 7 * 20
@@ -119,11 +122,15 @@ def explained(change: Any, kind: str = "flight") -> Scheme | None:
     return found
 
 
-@pytest.mark.parametrize("late", [0.02, -0.0125])
-def test_a_clock_that_is_late(late: float):
-    found = explained(lambda time, at: {"landing.hang_time": time + late,
-                                           "landing.time": time + late})  # fmt: skip
+@pytest.mark.parametrize(("late", "given"), [(0.02, 1.0), (-0.0125, 1.0), (0.02, np.nan)])
+def test_a_clock_that_is_late(late: float, given: float):
+    """Also that of a candidate that gives no velocity."""
+    found = explained(lambda time, at: {
+        "landing.hang_time": time + late, "landing.time": time + late,
+        "landing.velocity": at(time)["landing.velocity"] * given,
+    })  # fmt: skip
     assert found.adequate
+    assert "landing.velocity" not in found.words  # nor of one of the two alone
     assert (found.order, found.way) == (None, None)
     assert found.step == abs(late)
     # One delay, of the position and of the velocity, costs as much as that of one of them.

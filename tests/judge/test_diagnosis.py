@@ -20,7 +20,7 @@ import pytest
 from longball.golden import load
 from longball.judge.cases import Case
 from longball.judge.diagnosis import diagnose as diagnosing
-from longball.judge.diagnosis.chain import CHAIN, I, lever, y
+from longball.judge.diagnosis.chain import CHAIN, OWN, I, lever, y
 from longball.judge.diagnosis.diagnose import Step, _clearest, diagnose, reason
 from longball.judge.diagnosis.expression import evaluate, ordered, substitute
 from longball.judge.diagnosis.findings import Diagnosis
@@ -264,6 +264,31 @@ def planted(
     data, _ = material.planted(data, chain, lambda columns: values(wrong, columns, steps))
     found = reason(data, chain).steps
     return [e.words for step in found if isinstance(step.found, Named) for e in step.found.edits]
+
+
+@pytest.mark.parametrize("everywhere", [True, False])
+@np.errstate(all="ignore")  # as `diagnose`
+def test_a_mistake_in_a_definition_is_named_once_where_it_is_made(everywhere: bool):
+    """The other lever in every formula of the impact, or in that of the restitution alone."""
+    data = truth(known("impact")[::2])
+    chain = specialised_to(data)
+    mistake = Edit(lever, I["L"] / 2.0 + y, 1.0, "")
+    wrong = [
+        edited if everywhere or stage.name == "restitution" else stage
+        for stage, edited in zip(chain, mistake.apply(chain), strict=True)
+    ]
+    assert sum(stage is not was for stage, was in zip(wrong, chain, strict=True)) > everywhere
+
+    def given(columns: dict[str, Any]) -> dict[str, Any]:
+        for stage in wrong:  # each from the wrong values before it
+            columns |= {str(OWN[q].data): x for q, x in values(stage, columns).items()}
+        return {q: columns[str(OWN[q].data)] for stage in wrong for q in stage.quantities}
+
+    data, _ = material.planted(data, chain, given)
+    reasoned = reason(data, chain)
+    (step,) = reasoned.steps
+    assert isinstance(step.found, Named)
+    assert not any(one.beyond.any() for one in follow(reasoned.chain, data)[1])
 
 
 @pytest.mark.nightly

@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 
 from longball.judge.diagnosis.evidence import ADEQUATE, BEYOND, cost, fitted, is_adequate, rounded
-from longball.judge.diagnosis.search import _fitted_from, _roundest
 
 
 def test_the_cost_of_errors_in_bits():
@@ -87,32 +86,3 @@ def test_round_numbers_are_tried_first():
     assert (9.80665, pytest.approx(math.log2(3))) in pairs  # one of three usual ones
     assert max(pairs, key=lambda pair: pair[1])[0] == 9.806652
     assert 3.0 not in every
-
-
-def test_the_roundest_number_that_fits():
-    scenes = np.linspace(1.0, 2.0, 6)
-    slopes = np.array([[1e4 * scenes]])
-    for number, round_ in ((1.2500001, 1.25), (0.30480004, 0.3048), (math.pi / 30, math.pi / 30)):
-        r = 1e4 * scenes[None] * (number - round_)
-        found, bits = _roundest(np.array([number]), r, slopes, 0)
-        assert found == pytest.approx(round_, rel=1e-12)
-        assert bits > 0
-    # Of two numbers, the other one is fitted again.
-    both = np.array([[1e4 * scenes], [1e4 * np.ones(6)]])
-    r = np.full((1, 6), 30.0)
-    assert _roundest(np.array([2.0, 0.503]), r, both, 1)[0] == 0.5
-
-
-def test_a_fit_from_several_starts():
-    """A factor that long steps forbid from 1: usual ones are tried, too."""
-    scenes = np.linspace(1.0, 2.0, 6)
-
-    def screened(c):
-        r = np.where(abs(c - 2.0) < 0.2, 1e3 * (c - 2.0), 1e6) * scenes
-        return r[:, None]
-
-    assert _fitted_from(screened, [1.0], factor=True)[0] == pytest.approx(2.0)
-    assert _fitted_from(screened, [1.0], factor=False)[0] != pytest.approx(2.0)
-    c, r = _fitted_from(screened, [1.0, 2.1], factor=False)
-    assert c == pytest.approx(2.0)
-    assert abs(r).max() < 1e-6

@@ -11,7 +11,7 @@ from longball.judge.diagnosis.chain import μ
 from longball.judge.diagnosis.expression import norm, ordered, symbol
 from longball.judge.diagnosis.findings import size
 from longball.judge.diagnosis.operators import Edit
-from longball.judge.diagnosis.residual import Data, follow, specialised_to
+from longball.judge.diagnosis.residual import HUGE, Data, follow, specialised_to
 from longball.judge.diagnosis.search import Located, Named
 from longball.judge.diagnosis.sentences import diagnosis, located, named, outcomes_wrong
 from tests.judge import material
@@ -67,6 +67,15 @@ def test_a_point_on_another_plane_says_how_far_it_is_from_its_own():
     found = located(event.stage, Located(), event, data)
     assert found.kind == "located"
     assert "plate point lies up to 0.43 m in front of x = 0: check which plane" in found.sentence
+
+
+def test_numbers_that_are_not_finite_have_no_size():
+    data = truth("impact")
+    data, one, _ = wrong(data, **{"impact.impulse": 1.5 * data.given["impact.impulse"]})
+    endless = one.off.copy()
+    endless[0, 0] = HUGE
+    said = [located(x.stage, Located(), x, data).sentence for x in (one, replace(one, off=endless))]
+    assert [("%" in text or "relative" in text) for text in said] == [True, False]
 
 
 def test_an_output_that_equals_another_is_said():

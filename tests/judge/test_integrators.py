@@ -249,9 +249,12 @@ def test_a_chord_of_the_exact_path(drives: Any):
     assert rows(stage, found) == pytest.approx(expected, rel=1e-9)
 
 
-@pytest.mark.parametrize(
-    "one", [EULER, VERLET[Treatment(0.5, False, False)]], ids=lambda one: one.words
-)
+# It does not lead to the path.
+SLIP = next(one for one in slips() if one.order == 0 and one.words.startswith(EULER.words))
+VERLETS = [VERLET[Treatment(0.5, False, carries)] for carries in (False, True)]
+
+
+@pytest.mark.parametrize("one", [EULER, *VERLETS, SLIP], ids=lambda one: one.words)
 def test_many_steps_are_interpolated_from_few(drives: Any, one: Integrator, monkeypatch: Any):
     stage, columns = drives
     monkeypatch.setattr(integrators, "DIRECT", 10**6)

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from longball.judge.diagnosis import operators
-from longball.judge.diagnosis.chain import CHAIN, I, Stage, n, r, v, v0
+from longball.judge.diagnosis.chain import CHAIN, OWN, I, Stage, n, r, v, v0
 from longball.judge.diagnosis.expression import (
     ARGUMENT,
     NONE,
@@ -32,6 +32,7 @@ from longball.judge.diagnosis.expression import (
     table,
     times,
     unit,
+    vector,
     where,
 )
 from longball.judge.diagnosis.operators import AXES, FACTORS, FREE, Edit, Site, edits, free
@@ -275,6 +276,7 @@ def test_siblings():
     assert kin(function("sin", x)) == one(math.cos(2), math.tan(2), 2, 1, 2 - 8 / 6)
     assert kin(function("cos", x)) == one(math.sin(2), math.tan(2), 2, 1, -1)
     assert kin(function("sqrt", p)) == one(3)
+    assert kin(function("atan2", x, y)) == one(math.atan(2 / 5), math.atan2(5, 2))
     assert kin(function("exp", x)) == one(3)
     assert kin(function("abs", p - q, dimension=M)) == one(-4, 4)
     assert kin(function("positive", p - q, dimension=M)) == one(-4)
@@ -471,6 +473,58 @@ def test_a_mistake_in_a_function_with_a_matrix():
 def test_the_default_of_a_zero():
     keys = {operators.key_of(x): np.array([operators.ZERO]), "x": np.array([0.0])}
     assert one(9 * 5) <= {*of_formula(x * y, **keys).values()}
+
+
+def test_the_defaults_of_zeros_of_a_number_of_a_block_and_of_all():
+    some = {"m": 2.0, "R": 3.0, "L": 5.0}
+    stage = Stage("", ("impact.velocity",), "formula", {"value": vector(*map(I.get, some))})
+    zeros = dict.fromkeys(some, 0.0)
+    zeros |= {operators.key_of(I[name]): np.array([operators.ZERO]) for name in some}
+    found = [
+        value(edit.apply((stage,))[0].roots["value"], **zeros)
+        for edit in edits((stage,), stage, some, COLUMNS | zeros) if "= 0" in edit.words
+        or "that is 0" in edit.words
+    ]  # fmt: skip
+    assert sorted(found) == [(0, 0, 5), (0, 3, 0), (2, 0, 0), (2, 3, 0), (2, 3, 5)]
+
+
+def test_all_inputs_of_one_unit_in_another():
+    m, M, L = (I[name] for name in ("m", "M", "L"))
+    one_stage = Stage("a", ("impact.velocity",), "formula", {"value": vector(m, M, L)})
+    other = Stage("b", ("impact.impulse",), "formula", {"value": m * L})
+    found = [
+        edit for edit in edits((one_stage, other), one_stage, {}, {}) if " every " in edit.words
+    ]
+    (masses,) = found  # there is a single length, and no speed
+    both = [stage.roots["value"] for stage in masses.settled(3.0, 0.0).apply((one_stage, other))]
+    columns = {"m": 2.0, "M": 5.0, "L": 7.0}
+    assert [value(root, **columns) for root in both] == [(6, 15, 7), (42,)]
+    assert masses.factor
+
+
+def test_states_before_the_launch_of_a_ball():
+    flights = {stage.name: stage for stage in CHAIN if stage.kind == "flight"}
+    for name in ("pitch", "touching"):  # one ball
+        assert operators.earlier_states(CHAIN, flights[name]) == ()
+    for name in ("flight", "fence"):
+        found = operators.earlier_states(CHAIN, flights[name])
+        assert [text for text, *_ in found] == [
+            "of the launch of pitch", "of the end of pitch", "of the end of touching",
+        ]  # fmt: skip
+        assert found[1][1:] == (OWN["plate.position"], OWN["plate.velocity"])
+        assert found[0][2].args[0] is flights["pitch"].roots["velocity"]
+    assert operators.earlier_states(CHAIN, CHAIN[-1]) == ()
+
+
+@pytest.mark.parametrize("name", ["restitution", "time", "margin"])
+def test_all_edits_within_a_limit_are_generated(name: str):
+    (stage,) = (stage for stage in CHAIN if stage.name == name)
+    dear, cheap = (
+        [(edit.words, edit.bits) for edit in edits(CHAIN, stage, {"m": 0.145}, {}, most=most)]
+        for most in (math.inf, 14.0)
+    )
+    assert len(cheap) < len(dear)
+    assert sorted(x for x in cheap if x[1] <= 14) == sorted(x for x in dear if x[1] <= 14)
 
 
 def costs(root: Node, form: Node | None = None) -> dict[str, float]:

@@ -2,17 +2,22 @@
 
 from __future__ import annotations
 
+import itertools
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import cache
+from types import SimpleNamespace
 from typing import Any
 
+import numpy as np
 import pytest
 
 from longball.judge.answers import Answer
+from longball.judge.diagnosis import outcomes
 from longball.judge.diagnosis.expression import symbol
 from longball.judge.diagnosis.findings import Finding
-from longball.judge.diagnosis.outcomes import _is_positive, outcome_findings
+from longball.judge.diagnosis.outcomes import Told, Tree, _is_positive, _Search, outcome_findings
 from longball.judge.diagnosis.residual import data_of, follow, specialised_to
 from longball.judge.quantities import told_by, values_of
 from tests.judge.material import known
@@ -20,6 +25,7 @@ from tests.judge.material import known
 BATS = ("impact", "at-bat")
 ENDS = (*BATS, "hard", "at-bat-real")  # in which more balls are met beyond the end of the bat
 FENCES = ("fence", "combined")
+MET = ("struck", "batted", "separating")  # by the bat, and not beyond it
 
 FLIGHTS: dict[Any, Any] = {}  # which most tests have in common
 
@@ -111,6 +117,10 @@ NAMED = {
     "one end of the bat": (
         ENDS, instead(batted, "beyond_bat", lambda c: side(c) < 0),
         "says beyond_bat if contact.position_y > L/2, not if |", ""),
+    "a quarter of the bat": (
+        ENDS, {"outcome": lambda c: "beyond_bat" if c.expected.outcome in MET
+               and abs(side(c)) > c.scene.bat.length / 4 else None},
+        "says beyond_bat by a test that uses L/2 for L", ""),
     "a condition is dropped": (
         FENCES, instead(lambda c: "home_run", "landed", lambda c: c.expected.fence),
         "says home_run whether or not the ball is fair", ""),
@@ -205,3 +215,51 @@ def test_conditions_in_words():
     assert [_is_positive(node) for node in (x, x - y, -x, -1.0 * x, 2.0 * x)] == [
         "x > 0", "x > y", "x ≤ 0", "x ≤ 0", "2·x > 0"
     ]  # fmt: skip
+
+
+def test_possible_outcomes_are_those_of_all_unknown_values():
+    """A value is unknown if it is missing, on the limit, or a wrong stage's and not one's own.
+
+    A test that this leaves open has the result that the true outcome shows, but not after a wrong
+    stage where the outcome is wrong, too.
+    """
+    numbers = (1.0, -1.0, 0.0, math.nan)
+    scenes = [*itertools.product(numbers, numbers, numbers, "ABC", "AC", (True, False))]
+    *values, right, said, own = map(np.array, zip(*scenes, strict=True))
+    a, b, c = (symbol(name) for name in "abc")
+    tests = outcomes.Test("A", (a,), after=("flight",)), outcomes.Test("B", (b, c))
+    tree = Tree("outcome", tests, {"pitch": "C"})
+    told = Told(
+        [str(i) for i in range(len(scenes))], np.full(len(scenes), "pitch"),
+        dict(zip("abc", values, strict=True)), [*said], [*right], np.zeros(len(scenes), bool),
+        {"a": own}, ("fence",),
+    )  # fmt: skip
+    search = _Search(tree, told)
+    possible = search.possible(search.values)
+
+    def results(told: Sequence[float], truth: str) -> set[bool]:
+        if any(value < 0 for value in told):
+            return {False}
+        sure = all(value > 0 for value in told)
+        return {True} if sure else {"1": {True}, "0": {False}}.get(truth, {True, False})
+
+    for i, (x, y, z, truth, told_, given) in enumerate(scenes):
+        # The true outcome shows the tests up to the one that holds.
+        first, second = {"A": "1?", "B": "01", "C": "00"}[truth]
+        if told_ != truth:  # all flights share one law, and that to the fence is wrong
+            x, first = x if given else math.nan, "?"
+        expected = {
+            "A" if one else "B" if two else "C"
+            for one in results([x], first) for two in results([y, z], second)
+        }  # fmt: skip
+        assert {*np.array(search.options)[possible[:, i]]} == expected, scenes[i]
+
+
+def test_the_bits_of_wrong_outcomes():
+    """Which of the scenes are wrong, and which wrong outcome each has."""
+    search: Any = SimpleNamespace(told=range(10), options="abcde")
+    assert _Search.nothing(search, 3) == pytest.approx(math.log2(120) + 3 * 2)
+    assert _Search.nothing(search, 9) == pytest.approx(math.log2(252) + 9 * 2)
+    possible = np.array([[1, 0, 1], [1, 0, 1], [1, 0, 0], [1, 0, 0]], dtype=bool)
+    assert _Search.cost(search, possible, np.array([True, True, False])) == 2.0
+    assert _Search.cost(search, possible, np.array([False, True, True])) == 1.0

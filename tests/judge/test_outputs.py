@@ -72,6 +72,8 @@ CONVERTED = [
      "landing.velocity equals your impact.velocity", ""),
     (other("impact.impulse", lambda data, J: J / data.columns["m"]),
      "impact.impulse is the right value divided by m", ""),
+    (other("landing.velocity", lambda data, v: v * 3.6),
+     "landing.velocity is 3.6 times the right value (km/h)", "give landing.velocity in m/s"),
 ]  # fmt: skip
 NOT_CONVERTED = [
     lambda data: data,
@@ -89,6 +91,7 @@ def test_conversions_are_named_and_undone(truth):
         assert wrong(converted)
         data, (found,) = outputs(converted, specialised_to(converted))
         assert found.edit == edit
+        assert found.stage == ("all" if edit.startswith("all ") else "output")
         assert str(found.remedy).startswith(remedy)
         assert wrong(data) == []
     assert len(wrong(in_feet(truth))) > 4

@@ -19,6 +19,7 @@ from longball.judge.diagnosis.expression import (
     Node,
     axes,
     constant,
+    function,
     matrix,
     ordered,
     substitute,
@@ -57,6 +58,9 @@ def numbers(columns: dict[str, Any]) -> Any:
     c.swing, c.tilt, c.length = columns["ω_bat"], columns["θ"], columns["L"]
     c.lever = c.length / 2 - c.y
     c.bounce, c.kept = columns["ẽ"], columns["e"]
+    # m/M_eff is in e(1 + m/M_eff) + m/M_eff; 0 under readings without it. M_eff is I/r̃² or I/r̃.
+    c.ratio = (c.bounce - c.kept) / (1 + c.kept)
+    c.power = np.where(columns["reading.effective_mass"] == "as_printed", 1, 2)
     return c
 
 
@@ -85,12 +89,16 @@ FORMULAS: dict[str, list[Callable[[Any], Any]]] = {
         lambda c: c.n[[2, 1, 0]],
         lambda c: c.away / c.R,
         lambda c: -c.n,
+        lambda c: -c.away / c.R,  # two mistakes
     ],
     "contact.bat_velocity": [
         lambda c: swung(c.swing * c.length / 2, c),
         lambda c: swung(c.swing * (c.length / 2 + c.y), c),
         lambda c: swung(-c.swing * c.y, c),
         lambda c: swung(c.swing * (c.length / 2 - abs(c.y)), c),
+        lambda c: c.V_b + c.r_b * np.cross(
+            c.swing * np.array([-np.sin(c.tilt), 0 * c.tilt, np.cos(c.tilt)]), c.n, axis=0
+        ),
         lambda c: swung(c.swing * c.lever, c, np.radians(c.tilt)),
         lambda c: c.swing * c.lever * np.array([np.sin(c.tilt), 0 * c.tilt, np.cos(c.tilt)]),
         lambda c: c.swing * c.lever * np.array([1 + 0 * c.tilt, 0 * c.tilt, c.tilt]),
@@ -104,6 +112,9 @@ FORMULAS: dict[str, list[Callable[[Any], Any]]] = {
         lambda c: swung(1.07 * c.swing * c.lever, c),
         lambda c: swung(c.swing * (c.lever + 0.05), c),
         lambda c: swung(c.swing / c.lever, c),
+        # Two mistakes
+        lambda c: swung(1.07 * c.swing * (c.length / 2 + c.y), c),
+        lambda c: swung(1.07 * c.swing * c.length / 2, c),
     ],
     "contact.normal_speed": [
         lambda c: dot(c.V, c.n),
@@ -114,10 +125,16 @@ FORMULAS: dict[str, list[Callable[[Any], Any]]] = {
         lambda c: c.w - c.n[0] * (c.V - c.V_b)[0] + c.n[2] * (c.V - c.V_b)[0],
         lambda c: (c.V - c.V_b)[0],
     ],
+    "impact.restitution": [
+        lambda c: c.kept,
+        lambda c: c.kept + (1 + c.kept) * c.ratio * ((c.length / 2 + c.y) / c.lever) ** c.power,
+        lambda c: c.kept + (1 + c.kept) * c.ratio * (c.y / c.lever) ** c.power,
+    ],
     "impact.impulse": [
         lambda c: struck(c, c.m),
         lambda c: struck(c, (c.m + c.M) / 2),
         lambda c: struck(c, c.m + c.M),
+        lambda c: struck(c, c.m * c.M / (c.m + c.M)),
         lambda c: struck(c, c.m * c.M / np.sqrt(c.m**2 + c.M**2)),
         lambda c: c.J / (1 + c.bounce),
         lambda c: c.J * (1 - c.bounce) / (1 + c.bounce),
@@ -131,6 +148,7 @@ FORMULAS: dict[str, list[Callable[[Any], Any]]] = {
     "impact.velocity": [
         lambda c: c.V - c.J / c.m * c.n,
         lambda c: c.V + c.J / c.M * c.n,
+        lambda c: c.V + c.J * (c.m + c.M) / (c.m * c.M) * c.n,
         lambda c: c.V + c.J * c.n,
         lambda c: -c.bounce * c.V,
         lambda c: -c.kept * c.V,
@@ -143,6 +161,8 @@ FORMULAS: dict[str, list[Callable[[Any], Any]]] = {
     ],
     "impact.energy_change": [
         lambda c: lost(c, c.m),
+        lambda c: lost(c, c.m * c.M / (c.m + c.M)),
+        lambda c: lost(c) * dot(c.after - c.V_b, c.n) ** 2 / c.w**2,
         lambda c: 2 * lost(c),
         lambda c: lost(c, share=1 - c.bounce),
         lambda c: lost(c, share=1 + c.bounce**2),
@@ -182,6 +202,16 @@ def level(a: Any) -> Any:
     return a * np.array([[1], [1], [0]])
 
 
+def to_the_fence(c: Any) -> Any:
+    """The point on the fence, if its distance is linear in the bearing."""
+    chord = c["chord.a"], c["chord.b"], c["fence.position"]
+    bearings = [np.arctan2(x[1], x[0]) for x in chord]
+    a, b, at = (size(level(x)) for x in chord)
+    far = (a + (bearings[2] - bearings[0]) / (bearings[1] - bearings[0]) * (b - a)) / at
+    far = np.where(np.isfinite(far), far, 1.0)  # a circle has no chords
+    return c["fence.position"] * np.array([far, far, far**0])
+
+
 # Mistakes in other formulas and at the ends of flights: the family, the stage's kind, the quantity,
 # and the program's formula for it.
 OTHERS: list[tuple[str, Kind, str, Callable[[Any], Any]]] = [
@@ -202,8 +232,13 @@ OTHERS: list[tuple[str, Kind, str, Callable[[Any], Any]]] = [
     ("at-bat", "formula", "contact.margin", lambda c: -c["margin"]),
     ("at-bat", "formula", "contact.margin", lambda c: c["margin"] - c["r_b"]),
     ("at-bat", "formula", "contact.margin", lambda c: c["R"] + c["r_b"] - abs(c["σ_b"])),
+    ("at-bat", "formula", "contact.margin",  # of a search that ends at the plate
+     lambda c: np.where(
+         c["σ_b"] * c["plate.velocity"][2] > 0, c["R"] + c["r_b"] - abs(c["σ_b"]), c["margin"]
+     )),
     ("fence", "formula", "fence.clearance", lambda c: c["fence.clearance"] - c["R"]),
     ("fence", "formula", "fence.clearance", lambda c: c["fence.position"][2]),
+    ("fence", "event", "fence.position", to_the_fence),
     ("fence", "formula", "fence.margin",
      lambda c: size(level(c["chord.b"] - c["chord.a"]))),
     ("fence", "formula", "fence.margin", lambda c: c["fence.margin"] / 2),
@@ -228,14 +263,22 @@ def test_another_wrong_formula_is_named(
     check(stage, lambda columns: {quantity: given(columns)}, family)
 
 
-# Mistakes in the law and the launch of flights: the family, a node of the law by its words, and the
-# node that replaces it.
+# Mistakes in the law and the launch of flights: the family, a node of the law by its words ("" for
+# all of it), and the node that replaces it.
+displaced = I["ρ_0"] * (I["R"] * I["R"] * I["R"]) * (4 / 3 * np.pi) / I["m"]
 FLIGHTS: dict[str, tuple[str, str, Callable[[Node], Node]]] = {
     "no U": ("flight-both", "U", lambda U: constant(1.0, U.dimension)),
     "U of the launch": ("flight-both", "U", lambda U: substitute(U, v, v0)),
     "y backwards": ("flight-both", "dr/dt", lambda u: axes(u, ASIDE, "own axes")),
     "a growing spin": ("flight-spin-decay", "path", lambda path: -path),
     "the aim": ("pitch", "aim_y", lambda _: I["aim_z"]),
+    "buoyancy": ("flight-both", "g", lambda g: g * (1.0 - displaced)),
+    "added mass": ("flight-both", "", lambda law: law / (1.0 + displaced / 2.0)),
+    "Magnus": (
+        "flight-weather",
+        "p_s",
+        lambda _: 611.2 * function("exp", 17.62 * (I["T"] - 273.15) / (I["T"] - 30.03)),
+    ),
 }
 ASIDE = (1.0, 0.0, 0.0), (0.0, -1.0, 0.0), (0.0, 0.0, 1.0)
 
@@ -244,7 +287,8 @@ ASIDE = (1.0, 0.0, 0.0), (0.0, -1.0, 0.0), (0.0, 0.0, 1.0)
 def test_a_wrong_law_is_named(mistake: str):
     family, text, new = FLIGHTS[mistake]
     stage = next(s for s in right(family)[0] if s.kind == "flight")
-    old = next(node for node in ordered(stage.roots.values()) if words(node) == text)
+    nodes = ordered([stage.roots["law"], *stage.roots.values()])
+    old = next((node for node in nodes if words(node) == text), stage.roots["law"])
     wrong = stage.edited(old, new(old))
     check(stage, lambda columns: values(wrong, columns), family)
 

@@ -30,6 +30,7 @@ from longball.judge.diagnosis.residual import (
     inputs,
     options,
     specialised_to,
+    with_every_option,
 )
 from longball.model.scene import AtBatScene, FlightScene, Launch, parse_scene
 from tests.judge.material import known, right, truth
@@ -62,7 +63,7 @@ def test_flights_of_any_length():
         rising = 20 * np.cos(times) - np.sin(times)
     assert found[2] == pytest.approx(expected, abs=1e-9, nan_ok=True)
     assert found[5] == pytest.approx(rising, abs=1e-9, nan_ok=True)
-    times = np.array([0.05, 75.0])
+    times = np.array([0.05, 300.0])
     parabola = flown(thrown(times, lambda at, t: np.full(at.shape[1], -10.0)), times)
     assert parabola[2] == pytest.approx(1 + 20 * times - 5 * times**2, rel=1e-13)
     times = np.array([0.1, 2.0, 5.0])
@@ -151,6 +152,15 @@ def test_evenly():
     assert len(evenly(every, 40)) == len({*evenly(every, 40).tolist()}) == 40
 
 
+def test_scenes_with_every_option():
+    numbers, one = np.arange(3.0), np.array(["p", "q", "q"])
+    for other, expected in ((["x", "y", "y"], {0, 1}), (["x", "x", "y"], {0, 1, 2})):
+        found = with_every_option({"n": numbers, "b": one, "a": np.array(other)})
+        assert {*found.tolist()} == expected
+        assert len(found) == len(expected)
+    assert not with_every_option({"n": numbers}).size
+
+
 def test_columns_of_scenes():
     launch = Launch(position=(0, 0, 1), velocity=(30, 1, 20))
     calm = FlightScene(id="a", launch=launch, air=None)
@@ -159,6 +169,8 @@ def test_columns_of_scenes():
     assert found["launch.velocity"][:, 0].tolist() == [30, 1, 20]
     assert np.isnan(found["launch.velocity"][:, 1]).all()
     assert np.isnan(found["V_0"][0])
+    # A program that ignores that there is no spin takes 0 for it.
+    assert found["launch.spin"][:, 0].tolist() == found["pitch.spin"][:, 1].tolist() == [0, 0, 0]
     assert found["β"].tolist() == [0.4, 0.4]
     assert found["ρ_0"][0] == found["ρ_0"][1]  # null is replaced by the default air
     assert (options(calm)["air"], options(calm)["spin"], options(calm)["pitch"]) == (
@@ -206,6 +218,11 @@ def test_errors_within_the_tolerance_follow(drives: Any):
     assert told(2e-9).beyond.all()
     assert told(2e-9).relative == pytest.approx(np.full(len(some), 2e-9), rel=1e-3)
     assert not told(1e-6, granted=1.0).wrong.any()
+    # Four times the noise that rounded values propagate
+    for noise, is_wrong in ((0.24e-6, True), (0.26e-6, False)):
+        slips = noise * data.given["landing.distance"]
+        found = told(1e-6, slips=lambda *_, by=slips: by[None])
+        assert (found.wrong == is_wrong).all()
     assert not told(1e-6, cut={"landing.distance": (0.0, 2e-6)}).wrong.any()
     assert not told(1e-6, cut={"landing.distance": (1e-3, 0.0)}).wrong.any()
     assert told(1e-4, cut={"landing.distance": (1e-3, 0.0)}).wrong.any()

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+import math
 from typing import Any
 
 import numpy as np
@@ -19,7 +20,7 @@ from longball.judge.diagnosis.residual import (
     take,
     values,
 )
-from longball.judge.diagnosis.response import Direct, Effects, Response, cubic
+from longball.judge.diagnosis.response import Direct, Effects, Response, cubic, free
 from longball.judge.diagnosis.search import defaults
 from tests.judge.material import known, truth
 
@@ -149,7 +150,7 @@ class Given:
 
 def test_pairs_are_ranked_by_least_squares():
     rng = np.random.default_rng(5)
-    edits = {Edit(symbol("a"), symbol("b"), 3.0, str(i)): (1.0,) * (i < 8) for i in range(12)}
+    edits = {Edit(symbol("a"), symbol("b"), i / 3, str(i)): (1.0,) * (i < 8) for i in range(12)}
     effects = {edit: rng.normal(size=(2, 6, 1)) for edit in edits}
     off = rng.normal(size=(6, 1))
     scale = np.sqrt((off * off).sum(axis=0))
@@ -161,9 +162,16 @@ def test_pairs_are_ranked_by_least_squares():
         matrix = np.array([(effect / scale).ravel() for effect, _ in columns]).T
         fit, (rest,), *_ = np.linalg.lstsq(matrix, (off / scale).ravel())
         if all(0.5 < x < 2.0 for x, (_, fixed) in zip(fit, columns, strict=True) if fixed):
-            left[frozenset(pair)] = rest
+            whole = len(off)  # errors of size 1: a factor of 2 between them is a bit each
+            left[frozenset(pair)] = whole / 2 * math.log2(rest / whole) + sum(e.bits for e in pair)
     assert len(left) > 6
-    found = Effects(Given(effects), [*edits], [*edits.values()], off).pairs(99)
+    nothing = Edit(symbol("a"), symbol("b"), 3.0, "nothing")
+    every, starts = [*edits, nothing], [*edits.values(), ()]
+    given = Given(effects | {nothing: np.zeros((2, 6, 1))})
+    ranking = Effects(given, every, starts, off)
+    alone = 3 * np.log2(ranking.left()) + [edit.bits for edit in every]
+    assert ranking.bits() == pytest.approx(alone)
+    found = ranking.pairs(99)
     ranked = [frozenset((one, other)) for (one, _), (other, _) in found if one is not other]
     assert ranked == sorted(left, key=left.__getitem__)
 
@@ -177,3 +185,23 @@ def test_a_longer_path_takes_more_of_the_spin():
     longer = {**columns, FREE: np.full(len(columns["kind"]), factor)}
     flown = values(edited, longer)[spin] - values(stage, columns)[spin]
     assert foreseen == pytest.approx(flown, abs=2e-3 * np.abs(flown).max())
+
+
+def test_the_effects_on_free_balls_are_those_on_parabolas():
+    """However large they are: in a vacuum, a parabola is its own cubic."""
+    chain, stage, columns = stage_of("flight-vacuum", "flight")
+    balls = launched(stage, columns)
+    lasts, end = balls.duration, flown(balls, balls.duration)[:6]
+    way = Response(stage, Values(columns), cubic(end), free)
+    assert way.off(end + 3.0) == pytest.approx(np.full_like(end, 3.0))
+    v, g, none = balls.y[3:6], columns["g"] * np.array([[0], [0], [-1]]), np.zeros((3, SCENES))
+    for words, number, place, velocity in (
+        ("uses {c} times g", 5.0, 2 * g * lasts**2, 4 * g * lasts),
+        ("uses the components (x, -y, z) of dr/dt", None,
+         v * lasts * np.array([[0], [-2], [0]]), none),
+        ("uses {c} times launch.velocity", 3.0, 2 * v * lasts, 2 * v),
+        ("uses {c} times hang_time", 1.5, end[3:] * lasts / 2, g * lasts / 2),
+    ):  # fmt: skip
+        edit = edit_of(chain, stage, columns, words)
+        moved = way.moved([(edit, number)])[0, :6]
+        assert moved == pytest.approx(np.concatenate([place, velocity]), abs=1e-9), words

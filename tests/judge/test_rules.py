@@ -36,6 +36,7 @@ def test_one_condition():
     assert told(flights[:6], flights[6:]) == "m < 5.5"
     assert told(flights[6:], flights[:6]) == "m > 5.5"
     assert told(flights[6:], flights[:6], measured=False) is None
+    assert told(flights[:6], flights[6:], measured=False) is None
     assert told(flights[::2], flights[1::2]) is None  # nothing separates them
     flagged = [{"m": 0.1 * i, "flag tie": True} for i in MANY]
     assert told(flagged, [{"m": 0.1 * i} for i in MANY]) == "the flag tie"

@@ -7,6 +7,8 @@ from collections.abc import Callable, Iterable
 from functools import partial
 from types import SimpleNamespace
 
+import numpy as np
+
 from longball.engines.ivp import Ivp
 from longball.golden import load
 from longball.judge.answers import Answer
@@ -16,7 +18,7 @@ from longball.judge.diagnosis.chain import I
 from longball.judge.diagnosis.diagnose import diagnose
 from longball.judge.diagnosis.expression import constant
 from longball.judge.diagnosis.operators import Edit
-from longball.judge.diagnosis.residual import specialised_to
+from longball.judge.diagnosis.residual import Followed, specialised_to
 from longball.judge.diagnosis.unseen import Unseen
 from longball.judge.fresh import moved
 from longball.model.quantities import numbers
@@ -113,6 +115,26 @@ def test_new_scenes_refute_what_their_answers_contradict():
         assert answered.mends(chain, stage, edit, {})
         assert not answered.holds(chain, stage, other, {})
         assert not answered.mends(chain, stage, other, {})
+
+
+def test_new_scenes_that_refute_an_explanation(monkeypatch):
+    """One number, or for an edit with a jump and for a scheme those of more than one scene."""
+    data = truth(known("flight-vacuum")[:3])
+    chain = specialised_to(data)
+    (stage,) = (one for one in chain if one.kind == "flight")
+    new = Unseen(data, chain, lambda new: {}, None)
+    new.data = data
+    scheme = SimpleNamespace(way="a way")
+    for beyond, rough, by, expected in (
+        (0, False, None, None), (1, False, None, (1, 6)), (1, True, None, None),
+        (1, False, scheme, None), (2, True, None, (2, 6)), (2, False, scheme, (2, 6)),
+    ):  # fmt: skip
+        off = np.zeros((1, 7))
+        off[0, :beyond], off[0, 6] = 5.0, math.nan
+        one = Followed(stage, np.arange(7), off, *np.ones((4, 1, 7)))
+        for each, found in ((one, expected), (one.of(np.array([6])), None)):
+            monkeypatch.setattr(unseen, "follow", lambda *_, each=each: ({}, [each]))
+            assert new.refuting(chain, data, None)(stage, rough, by) == found
 
 
 def test_a_conversion_has_to_hold_in_new_scenes(monkeypatch):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 from functools import cache
 from typing import Any
@@ -10,6 +11,7 @@ import numpy as np
 import pytest
 
 from longball.engines.verlet import PUSHES
+from longball.judge.diagnosis import schemes
 from longball.judge.diagnosis.chain import I
 from longball.judge.diagnosis.evidence import CHANCE, cost
 from longball.judge.diagnosis.integrators import (
@@ -21,9 +23,23 @@ from longball.judge.diagnosis.integrators import (
     slips,
     straight,
 )
-from longball.judge.diagnosis.operators import Edit
-from longball.judge.diagnosis.residual import Data, Followed, compared, specialised_to, values
-from longball.judge.diagnosis.schemes import SOME, Steps, explain_push, explain_scheme, with_edit
+from longball.judge.diagnosis.operators import Edit, free
+from longball.judge.diagnosis.residual import (
+    Data,
+    Followed,
+    compared,
+    follow,
+    specialised_to,
+    values,
+)
+from longball.judge.diagnosis.schemes import (
+    SOME,
+    Steps,
+    _numbered,
+    explain_push,
+    explain_scheme,
+    with_edit,
+)
 from tests.judge import material
 from tests.judge.material import known, off, truth
 
@@ -89,14 +105,26 @@ def test_a_way_is_named(way: Way, dt: float | None):
         assert way.one.words in found.words
 
 
-def test_the_cost_of_a_way():
+def test_the_cost_of_a_way(monkeypatch: Any):
     """A step that the author has stated costs nothing, a round one little, any other one much."""
     chain, stage, right = flights()
-    bits = []
+    euler, bits = integrator("explicit Euler"), []
+    monkeypatch.setattr(schemes, "INTEGRATORS", (euler,))
     for h, dt in ((0.01, 0.01), (0.01, None), (0.0137, None)):
-        data, columns, one = planted(Way(integrator("explicit Euler"), h), right, chain, stage)
+        data, columns, one = planted(Way(euler, h), right, chain, stage)
         bits.append(Steps(stage, data, columns, one).named(dt).bits)
     assert bits[0] + 5 < bits[1] < bits[2] - 15
+
+
+def test_fewer_than_three_scenes_show_no_scheme(monkeypatch: Any):
+    """In one or two, another one fits by chance."""
+    chain, stage, right = flights()
+    euler = integrator("explicit Euler")
+    monkeypatch.setattr(schemes, "INTEGRATORS", (euler,))
+    data, columns, one = planted(Way(euler, 0.01), right, chain, stage)
+    for count in (2, 3):
+        few = Steps(stage, data, columns, one.of(np.flatnonzero(one.wrong)[:count]))
+        assert (few.named(None, slipped=False) is None) == (count == 2)
 
 
 @np.errstate(all="ignore")
@@ -156,6 +184,7 @@ def test_a_law_and_a_scheme_are_found_together():
     edit, scheme = with_edit(Steps(stage, data, columns, one), times)
     assert edit is times[1]
     assert scheme.way == way
+    assert 0 < scheme.evidence < most(one) - scheme.bits - edit.bits
 
 
 @pytest.mark.nightly  # every scheme is tried, and every last step
@@ -167,3 +196,48 @@ def test_a_wrong_law_is_no_scheme():
         lambda _, columns: (values(heavy, columns), {}), right, chain, stage
     )
     assert explain_scheme(chain, stage, data, columns, one) is None
+
+
+@np.errstate(all="ignore")
+def test_right_scenes_rule_out_integrators_whose_errors_they_would_show():
+    """In a vacuum, some are exact and others are not."""
+    data = truth([*known("flight-both")[::9], *known("flight-vacuum")[::9]])
+    chain = specialised_to(data)
+    (stage,) = (stage for stage in chain if stage.name == "flight")
+    euler, rk4 = integrator("explicit Euler"), integrator("RK4")
+    falls = data.columns["air"] == "none"
+    found = []
+    for right in (falls, ~falls):
+        moved = np.where(right, 0.0, 0.01)
+        given = {q: data.given[q] + moved for q in stage.quantities[:2]}
+        other = replace(data, given={**data.given, **given})
+        columns, _ = follow(chain, other)
+        one = off(stage, other, columns)
+        assert 0 < one.wrong.sum() < one.checked.sum()
+        found.append(Steps(stage, other, columns, one).possible)
+        alone = one.of(np.flatnonzero(one.wrong))
+        assert Steps(stage, other, columns, alone).possible == INTEGRATORS
+    assert rk4 in found[0]
+    assert euler not in found[0]
+    assert rk4 not in found[1]
+
+
+def test_usual_and_round_numbers_are_tried_near_a_fitted_one():
+    def tried(start: Any, edit: Edit) -> dict[float, float]:
+        return {
+            value: one.bits - edit.bits
+            for one in _numbered(replace(edit, starts=(start,)))
+            for value in (float(one.words.split()[1]),)
+        }
+
+    factor = Edit(I["m"], free() * I["m"], 4.0, "uses {c} times m", starts=(1.0,))
+    value = Edit(I["m"], free(I["m"].dimension), 4.0, "uses {c} for m", starts=(1.0,))
+    assert tried(2.043, value).keys() == {2.0, 2.04}
+    assert tried(1.56, factor).keys() == {1.5, 1.6, 1.56}
+    found = tried(0.3123, factor)
+    assert found.keys() == {0.3, 0.31, 0.312, 0.3048, round(1 / math.pi, 9)}
+    assert found[0.312] - found[0.31] == pytest.approx(math.log2(10))
+    assert found[0.3048] == tried(2.043, factor)[2.0]  # one of so many
+    assert [*_numbered(replace(value, starts=(I["M"],)))] == []
+    plain = Edit(I["m"], I["M"], 2.0, "uses M for m")
+    assert [*_numbered(plain)] == [plain]

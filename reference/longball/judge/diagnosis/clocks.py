@@ -176,7 +176,7 @@ def _rule(told: Array, own: Array, dt: float | None) -> _Rule:
     # whole steps; no rule, so that every state has a free time.
     behind = told - own
     known = behind[np.isfinite(behind)]
-    late = float(np.median(known)) if known.size else 0.0
+    late = float(np.median(known))
     if _mostly(np.abs(known) < SAME):
         return _Rule("", told)
     if _mostly(np.abs(known - late) < max(SAME, 1e-4 * abs(late))):
@@ -193,7 +193,7 @@ def _rule(told: Array, own: Array, dt: float | None) -> _Rule:
         text = f"gives {{1}} in whole multiples of {found[0]:.6g} s"
         return _Rule(text, own, FREE * known.size, found[0])
     # If the velocity hardly changes, the time that fits it is uncertain: give that of most scenes.
-    usual = float(np.quantile(np.abs(known), MOST)) if known.size else 0.0
+    usual = float(np.quantile(np.abs(known), MOST))
     sides = {"before": _mostly(known > -SAME), "after": _mostly(known < SAME)}
     side = next((side for side, holds in sides.items() if holds), "before or after")
     text = f"gives {{0}} of up to {usual:.3g} s {side} {{1}}"
@@ -205,7 +205,7 @@ FREE = 30.0  # cost in bits of a time that no rule gives
 
 
 def _mostly(those: NDArray[np.bool_]) -> bool:
-    return bool(those.size) and bool(np.mean(those) >= MOST)
+    return bool(np.mean(those) >= MOST)
 
 
 def event(

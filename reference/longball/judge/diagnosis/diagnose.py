@@ -507,7 +507,7 @@ def _with_way(
     ways = {**data.ways, stage.name: way}
     for other in chain:
         some = np.flatnonzero(np.isin(columns["kind"], other.scenes))
-        if other.kind == "flight" and other.name not in ways and some.size:
+        if other.kind == "flight" and other.name not in ways:
             wrong: dict[Way | None, int] = {}
             wrong[None] = int(compared(other, data, columns, some)[0].beyond.sum())
             for one in (way, straight(way)):

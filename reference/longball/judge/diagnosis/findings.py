@@ -81,7 +81,7 @@ class Diagnosis(Frozen):
     @property
     def named(self) -> list[str]:
         """The edits that are named."""
-        return [f.edit for f in self.findings if f.kind == "named" and f.edit]
+        return [f.edit for f in self.findings if f.edit]
 
 
 def size(relative: float) -> str:

@@ -188,8 +188,8 @@ def _of_runge_kutta(
     return Integrator(words, order, _runge_kutta(matrix), matrix)
 
 
-EXACT = Integrator("an exact path", 99)
-STRAIGHT = Integrator("a straight line", 1, _table((1,), ((),), ((),)))
+EXACT = Integrator("an exact path", None)
+STRAIGHT = _table((1,), ((),), ((),))
 _EULER = _of_runge_kutta("explicit Euler", 1, (), (1,))
 _MIDPOINT = _of_runge_kutta("the midpoint method", 2, ((0.5,),), (0, 1))
 _HEUN = _of_runge_kutta("Heun's method", 2, ((1,),), (1, 1))
@@ -360,7 +360,7 @@ def _fraction(x: float) -> str:
 def together(some: Sequence[Integrator], count: int) -> Integrator:
     """Integrators that are `like` each other as one, which flies `count` balls by each in turn."""
     tables = [one.step for one in some if isinstance(one.step, Table)]
-    if len(some) == 1 or not tables:  # an integrator without a table is `like` no other
+    if not tables:  # an integrator without a table is `like` no other
         return some[0]
 
     def repeated(name: str) -> Array:
@@ -435,7 +435,7 @@ class Way:
     chord
         True if the end lies on the chord between the steps before and after it.
     last
-        The integrator of the last step, if it is another one.
+        The last step, if it is that of another integrator.
     push
         Steps at which the contact force acts in the paper's scheme.
     times
@@ -452,7 +452,7 @@ class Way:
     one: Integrator
     h: float
     chord: bool = False
-    last: Integrator | None = None
+    last: Step | None = None
     push: ContactForce | None = None
     times: float = 1.0
 
@@ -520,7 +520,7 @@ def steps(
     one: Integrator,
     h: Any,
     chord: bool,
-    last: Integrator | None = None,
+    last: Step | None = None,
 ) -> tuple[dict[str, Array], dict[str, Array]]:
     """A stage's quantities after a flight in steps of h, and their errors; see `Way`."""
     # Whole steps up to the last one before the end, then the rest of the time.
@@ -533,8 +533,7 @@ def steps(
     elif chord:
         new = y + rest / h * (one.step(balls.rates, y, counts * h, h, left, h)[0] - y)
     else:
-        step = one.step if last is None or last.step is None else last.step
-        new, _ = step(balls.rates, y, counts * h, rest, left, h)
+        new, _ = (last or one.step)(balls.rates, y, counts * h, rest, left, h)
     found = balls.ended(new)
     doubts = {q: np.zeros_like(x) for q, x in found.items()}
     for quantity, part in zip(stage.quantities, (doubt[:3], doubt[3:6]), strict=False):

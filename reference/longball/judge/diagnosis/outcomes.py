@@ -223,7 +223,7 @@ def _held(test: Test, told: Told, without: Node | None = None) -> Array:
         if condition is without:
             continue
         with np.errstate(all="ignore"):
-            value = np.asarray(evaluate(condition, told.columns), float) + 0.0 * found
+            value = np.asarray(evaluate(condition, told.columns), float) + np.zeros(len(told))
         # A condition is unknown if a value is missing; if it is a tie; or if, in a scene with a
         # wrong outcome and after a wrong stage, it contains a value that is not the candidate's
         # own.
@@ -344,8 +344,6 @@ class _Search:
                 points.append(evaluate(f, self.told.columns) + np.zeros(len(self.told)))
         slopes = [b - a for a, b in pairwise(points)]
         usable = np.isfinite(points[2]) & np.isclose(slopes[0], slopes[1], rtol=1e-9, atol=0.0)
-        if not usable.any():
-            return None
         # Is the candidate's fact possible if the test holds? And if it does not?
         can = []
         for x in (1.0, 0.0):
@@ -386,7 +384,7 @@ class _Search:
 # Factors that may explain outcomes by coincidence. An outcome shows only the side of a limit on
 # which a scene lies: a limit 3 times as large may divide the scenes as well as the candidate's
 # limit.
-_COINCIDENCES = {FREE, *(x for x, meaning in FACTORS.items() if not meaning)} - {2.0, 0.5}
+_COINCIDENCES = {FREE, *(x for x, meaning in FACTORS.items() if not meaning)}
 
 
 def _is_coincidence(edit: Edit) -> bool:
@@ -570,8 +568,6 @@ def _ways(search: _Search, left: Bools, accounted: Bools, unknown: Bools) -> lis
             continue
         fixed = left & agrees
         fixed &= ~np.isin(pairs, pairs[left & ~agrees])  # a kind of mistake is explained whole
-        if not fixed.any():
-            continue
         # A scene is evidence only if the edited test decides it, and no wrong stage can be the
         # cause.
         spent = bits + search.cost(possible, fixed)

@@ -14,11 +14,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from longball.judge.diagnosis.chain import INPUTS, OWN, Stage
-from longball.judge.diagnosis.expression import NONE, M, S
+from longball.judge.diagnosis.expression import M, S
 from longball.judge.diagnosis.findings import Finding, joined, many
 from longball.judge.diagnosis.operators import AXES, BITS, FACTORS
 from longball.judge.diagnosis.residual import Data, Index, evenly, follow
 from longball.judge.diagnosis.scenes import rule
+from longball.judge.quantities import QUANTITIES
 from longball.model.arrays import Array
 
 # A stage is mended if the right conversion leaves at most this fraction of its largest relative
@@ -214,7 +215,7 @@ def _others(data: Data) -> Iterator[Conversion]:
     """Conversions of a quantity that equals another one of the candidate's."""
     for q, mine in data.given.items():
         for other, theirs in data.given.items():
-            if q == other or (OWN[q].dimension, mine.ndim) != (OWN[other].dimension, theirs.ndim):
+            if (OWN[q].dimension, mine.ndim) != (OWN[other].dimension, theirs.ndim):
                 continue
             both = np.isfinite(mine) & np.isfinite(theirs)
             apart = np.abs(data.expected[q] - data.expected[other]) > 1e-6
@@ -222,9 +223,6 @@ def _others(data: Data) -> Iterator[Conversion]:
             # value cannot be recovered, and counts as missing.
             if (both & apart).any() and (mine == theirs)[both].all():
                 wrong = {q: np.where(both, np.nan, mine)}
-                if q == "landing.hang_time":  # can be recovered from the other times
-                    begun = np.nan_to_num(data.given["contact.time"])
-                    wrong = {q: data.given["landing.time"] - begun}
                 bits = BITS["other"] + 2 * math.log2(len(OWN))
                 yield Conversion(
                     (q,), f"{q} equals your {other}", bits, f"give {q}, not {other}", wrong
@@ -232,6 +230,5 @@ def _others(data: Data) -> Iterator[Conversion]:
 
 
 def _remedy(own: Sequence[str]) -> str:
-    units = {M: "m", S: "s", SPEED: "m/s", (0, 0, -1): "rad/s", NONE: "its own"}
-    kinds = dict.fromkeys(units.get(OWN[q].dimension, "SI units") for q in own)
-    return f"give {joined(own) if len(own) < 3 else 'them'} in {joined(list(kinds))}"
+    units = dict.fromkeys(QUANTITIES[q].unit or "its own" for q in own)
+    return f"give {joined(own) if len(own) < 3 else 'them'} in {joined(list(units))}"

@@ -157,12 +157,11 @@ class Condition:
     name: str
     text: str
     of: Callable[[Any], bool]
-    without: bool = False  # True if it holds for scenes without the feature
     measured: bool = False  # True if it is a limit of a number
 
     def holds(self, found: Features) -> bool:
         """True if the condition holds for a scene with these features."""
-        return self.of(found[self.name]) if self.name in found else self.without
+        return self.name in found and self.of(found[self.name])
 
     def choices(self, wrong: Sequence[Features], right: Sequence[Features]) -> int:
         """Return the number of ways to choose as many scenes as are wrong."""

@@ -78,7 +78,7 @@ NEAR, CHORD = 1.25, 2.0  # round steps are tried within these factors of the fit
 
 # Steps that people choose: round numbers, and the frame rates of screens and cameras.
 _DECADE = (1, 1.25, 1.5, 2, 2.5, 3, 4, 5, 6, 8)
-_RATES = (24, 25, 30, 50, 60, 64, 90, 100, 120, 128, 144, 240, 256, 480, 512, 960, 1000, 1024)
+_RATES = (24, 30, 60, 64, 90, 120, 128, 144, 240, 256, 480, 512, 960, 1024)
 ROUND = tuple(
     sorted({0.1, 0.2, 0.3, 0.4, *(float(f"{m}e{k}") for m in _DECADE for k in (-5, -4, -3, -2))}
            | {1 / n for n in _RATES})
@@ -154,7 +154,8 @@ class Steps:
         def largest(some: Index) -> Array:
             made = self.made(INTEGRATORS, TRIALS[0], some)
             floors = (self.followed.floor / self.followed.scale)[:, None, some]
-            return np.asarray((np.abs(made) / floors).max(axis=(0, 2)))
+            # A floor is NaN where the candidate gives no number.
+            return np.asarray(np.nanmax(np.abs(made) / floors, axis=(0, 2)))
 
         enough = ADEQUATE * largest(wrong) > SHOWS * largest(right)
         return [one for one, shows in zip(INTEGRATORS, enough, strict=True) if shows]
@@ -409,9 +410,8 @@ class Steps:
                 said = way.words
                 if alike and one is not EXACT:
                     said += f" (in these scenes the same as {' and '.join(dict.fromkeys(alike))})"
-                order = None if one is EXACT else one.order
                 part_of = None if whole else mends
-                found.append(Scheme(said, order, h, bits(h), evidence, True, way, part_of))
+                found.append(Scheme(said, one.order, h, bits(h), evidence, True, way, part_of))
         return _likeliest(found)
 
     def _alike(self) -> list[tuple[float, float, Integrator]]:

@@ -394,7 +394,7 @@ class Explanation:
         rows = [
             np.atleast_2d(self.data.given[q][..., self.all[some]]) for q in self.stage.quantities
         ]
-        given = np.concatenate(rows)[: len(self.base.off)]
+        given = np.concatenate(rows)
         if self.stage.kind == "event":
             return np.where(np.isfinite(given).all(axis=0), 0.0, np.nan)[None]
         return given
@@ -835,11 +835,11 @@ class Explanation:
 
         An edit is good if it saves the bits `needed`; `some` are all edits that were ranked.
         """
-        for i, (screened, group, is_fitted) in enumerate(found):
+        for screened, group, is_fitted in found:
             # A group that leaves much is verified only if it is about the best: it may be one of
             # two, or long steps may be too coarse for it.
             limit = max(RIVAL * self.null, ABOUT * found[0].left)
-            if i > 0 and screened > limit and not is_fitted:
+            if screened > limit and not is_fitted:
                 continue
             (edit, more), twins = self.settled(group[0]), group[1:TWINS]
             if group[0].starts:
@@ -912,8 +912,7 @@ class Explanation:
         # share definitions.
         least = min((pair.bits for pair in found), default=0.0)
         found = [pair for pair in found if pair.bits < least + RIVALS][:ELSEWHERE]
-        if len(found) > 1:
-            found.sort(key=lambda pair: pair.bits + self._elsewhere(pair))
+        found.sort(key=lambda pair: pair.bits + self._elsewhere(pair))
         return [self._settled_beside(pair) for pair in found[:count]]
 
     def _settled_beside(self, pair: _Pair) -> Edit:

@@ -225,7 +225,7 @@ def _equal(stage: Stage, data: Data) -> Iterable[str]:
             continue
         mine, true = data.given[quantity], data.expected[quantity]
         for other, theirs in data.given.items():
-            if other == quantity or theirs.ndim != mine.ndim:
+            if theirs.ndim != mine.ndim:
                 continue
             # Values that are equal in truth, such as the two times of a flight scene, show nothing.
             apart = np.abs(true - data.expected[other]) > 1e-6 * (1.0 + np.abs(true))
@@ -247,7 +247,7 @@ def _beside_surface(one: Followed) -> Iterable[str]:
     """Words for the distance between an event's point and its surface."""
     quantity = one.stage.quantities[0]
     off = np.where(np.abs(one.off) > one.tolerance, one.off, 0.0)
-    if one.stage.kind != "event" or not off.any() or quantity not in _SURFACES:
+    if one.stage.kind != "event" or not off.any():
         return
     surface, noun, *sides = _SURFACES[quantity]
     far = [
