@@ -15,6 +15,7 @@ from longball.convergence.family import (
     observe,
     step_family,
 )
+from longball.convergence.order import richardson
 
 STEPS = np.array([0.1, 0.05, 0.025, 0.0125, 0.00625, 0.003125])
 
@@ -42,18 +43,19 @@ def test_an_error_without_truth_is_that_against_the_next_step():
     assert {rung.phases for rung in seen.rungs} == {1}
 
 
-def test_a_number_that_jumps_is_told_by_how_much():
+@pytest.mark.parametrize("phases", [2, PHASES])
+def test_a_number_that_jumps_is_told_by_how_much(phases):
     """Errors of h times 1 and 1/2 by turns: half of the larger one."""
     turn = iter(range(1000))
 
     def jumping(h):
         return 3.0 + h * (1.0 if next(turn) % 2 == 0 else 0.5)
 
-    (seen,) = study(jumping, np.geomspace(0.1, 0.001, 9), truth=3.0, phases=PHASES).orders
+    (seen,) = study(jumping, np.geomspace(0.1, 0.001, 9), truth=3.0, phases=phases).orders
     assert seen.jumps
     assert seen.jump == pytest.approx(0.5, abs=0.01)
     assert "by 50 % of the error" in seen.why
-    assert {rung.phases for rung in seen.rungs} == {PHASES}
+    assert {rung.phases for rung in seen.rungs} == {phases}
     rms = math.sqrt((1 + 0.25) / 2)
     for rung in seen.rungs:
         assert rung.error == pytest.approx(rms * rung.step, rel=0.02)
@@ -109,11 +111,17 @@ def one_number(value):
 def test_what_is_zero_everywhere_has_no_order():
     assert study(lambda h: [0.0, h], STEPS, truth=[0.0, 0.0]).orders[0].quantity == "value[1]"
     assert study(lambda h: 0.0, STEPS, truth=0.0).orders == ()
+    (exact,) = study(lambda h: 3.0, STEPS, truth=3.0, phases=PHASES).orders
+    assert (exact.verdict, exact.jump) == ("exact", 0.0)
 
 
 def test_a_step_is_used_for_what_its_error_tells():
     steps = np.geomspace(0.1, 1e-4, 16)
-    (seen,) = study(lambda h: h**2 * (1 + (h / 0.01) ** 2), steps, truth=0.0).orders
+    errors = steps**2 * (1 + (steps / 0.01) ** 2)
+    report = study(lambda h: h**2 * (1 + (h / 0.01) ** 2), steps, truth=0.0)
+    (seen,), (limit,) = report.orders, report.limits
+    value, error = richardson(steps, errors[:, None], seen.order)
+    assert (*limit.value, limit.error) == pytest.approx((*value, error), rel=1e-9, abs=0)
     assert seen.order == pytest.approx(2, abs=0.1)
     uses = [rung.use for rung in seen.rungs]
     assert all(step < 0.02 for step, use in zip(steps, uses, strict=True) if use == "fitted")

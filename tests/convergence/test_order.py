@@ -7,6 +7,7 @@ import pytest
 from scipy import stats
 
 from longball.convergence.order import (
+    HARMLESS,
     fit_line,
     fit_power_law,
     richardson,
@@ -126,6 +127,17 @@ def test_a_line_has_the_interval_that_scipy_gives_it(first, last):
 @pytest.mark.parametrize(("order", "found"), [(0.21, True), (0.19, False)])
 def test_errors_that_hardly_fall_have_no_order(order, found):
     assert (fit_power_law(UNEVEN, UNEVEN**order) is not None) is found
+
+
+@pytest.mark.parametrize("bend", [0.98, 1.02, -0.98, -1.02])
+@pytest.mark.parametrize("steps", [UNEVEN[:5], UNEVEN[3:8], UNEVEN[-5:]])
+def test_a_bend_is_measured_at_the_finest_step(steps, bend):
+    """There a parabola is steeper than the line through it; five steps are one range."""
+    x = np.log(steps)
+    slopes = np.polyder(np.polyfit(x, x**2, 2)), np.polyfit(x, x**2, 1)[:1]
+    steeper = np.polyval(slopes[0], x[-1]) - slopes[1][0]
+    law = fit_power_law(steps, np.exp(2 * x + bend * HARMLESS / steeper * x**2))
+    assert (law is not None) is (abs(bend) < 1)
 
 
 @pytest.mark.parametrize(("share", "found"), [(0.98, True), (1.02, False)])

@@ -11,6 +11,7 @@ import pytest
 
 from longball.engines.multiprecision import Multiprecision, SegmentCurve
 from longball.model.law import Law, PlaneState, Shape, law_with
+from longball.model.numbers import DOUBLES
 from longball.model.result import Bounded
 from longball.model.trace import Program, variable
 
@@ -56,6 +57,16 @@ def test_segments_join_and_reach_the_end() -> None:
             assert abs((b - a) / (2 * h) - rate) < 1e-14
 
 
+@pytest.mark.parametrize("power", [-300, 0, 300])
+def test_a_matrix_is_as_good_for_values_of_any_size(power: int) -> None:
+    """The integral of 1 from -1 to a node is 1 more than the node; of -P₁, half of 1 - x²."""
+    rule, unit = METHOD.numbers.rule, exact(2) ** power
+    ones = [unit] * rule.count
+    nodes = [x - unit for x in rule.integrals @ ones]
+    for x, y in zip(nodes, rule.integrals @ [-x for x in nodes], strict=True):
+        assert abs(y - (unit - x * x / unit) / 2) < 8 * CONTEXT.eps * unit
+
+
 # --- events on a segment --------------------------------------------------------------------------
 
 
@@ -99,7 +110,7 @@ def test_where_a_value_falls_through_zero(parabola: Any) -> None:
     assert curve(parabola, lambda y: y.z - z).zero(exact(1.5), parabola.length) == parabola.length
 
 
-@pytest.mark.parametrize(("floor", "above"), [(-16.1, True), (-15.9, False), (-30.0, True)])
+@pytest.mark.parametrize(("floor", "above"), [(-16.1, True), (-16 - 1e-9, False), (-30.0, True)])
 def test_whether_a_value_is_certainly_positive(parabola: Any, floor: float, above: bool) -> None:
     """With x from -1 to 1 it is 8/3 - 8 P₁ - 32/3 P₂: at least 8/3 - 8 - 32/3 = -16."""
     assert curve(parabola, lambda y: y.z - floor).positive(exact(0), exact(4)) is above
@@ -121,6 +132,12 @@ def test_a_rate_that_is_a_variable_is_an_integral_only_of_another_one(outputs, w
 
 def test_an_engine_travels_to_another_process():
     assert pickle.loads(pickle.dumps(Multiprecision(30))) == Multiprecision(30)
+
+
+@pytest.mark.parametrize("numbers", [METHOD.numbers, DOUBLES])
+def test_a_rounding_is_half_of_the_last_place(numbers):
+    one = numbers.exact(1.0)
+    assert one + numbers.rounding == one < one + 2 * numbers.rounding
 
 
 @pytest.mark.parametrize(

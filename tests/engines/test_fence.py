@@ -49,6 +49,27 @@ def test_the_way_of_a_ball_ends_at_the_wall_and_goes_on_over_the_fence():
         assert position == pytest.approx(result.fence.position, abs=1e-9)
 
 
+@pytest.mark.parametrize("engine", [Ivp(), Batch(), ENCLOSURE])
+@pytest.mark.parametrize("turned", [0.0, 1.5, -1.5, 3.0])
+@pytest.mark.parametrize("right", [True, False])
+def test_the_end_of_a_fence_is_passed_on_one_side_or_the_other(engine, turned, right):
+    """By 1e-3 of the way, and by less than doubles tell; the enclosure tells all but the end."""
+    cos, sin = math.cos(turned), math.sin(turned)
+
+    def at(ahead, left):
+        return cos * ahead - sin * left, sin * ahead + cos * left
+
+    ends = [(30, 20), (30, 0)] if right else [(30, 0), (30, -20)]
+    fence = [[*at(*end), 1.0] for end in ends]
+    for inside in (-1e-3, -1e-16, 0.0, 1e-16, 1e-3):
+        velocity = *at(30.0, 30 * inside * (1 if right else -1)), 9.0
+        found = solve(flight(velocity, fence, air={"lift_coefficient": 0.0}), engine)
+        if abs(inside) == 1e-3:
+            assert (found.fence is not None) is (inside > 0)
+        elif engine is not ENCLOSURE or turned == inside == 0.0:
+            assert found.code == "undecided"
+
+
 # --- each part by itself --------------------------------------------------------------------------
 
 

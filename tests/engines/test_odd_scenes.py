@@ -98,7 +98,12 @@ SCENES = {
     "does not get up to the ground": flight(
         thrown(0.0, 30, 0, 12), ground={"height": 8}, time_limit=5.0
     ),
-    "goes straight up through the air": flight(thrown(1.0, 0, 0, 30), CONSTANT),
+    **{
+        f"goes straight up through air that rises at {w} m/s": flight(
+            thrown(1.0, 0, 0, 30), CONSTANT | {"wind": (0, 0, w)}
+        )
+        for w in (0, 3, -3)
+    },
     "is turned upright by its lift": flight(thrown(1.0, 7.5, -2, 58), {}, **UPWARDS),
     **{
         f"has several tops at {u} m/s": flight(
@@ -125,6 +130,9 @@ SCENES = {
     ),
     "hits the first of two walls, turned": flight(
         thrown(1.0, 44, 0, 2), {}, fence={"polyline": [[x, -y, h] for x, y, h in WALLS[::-1]]}
+    ),
+    "hits a wall half a metre away": flight(
+        thrown(1.0, 30, 0, 2), {}, fence={"polyline": [[0.5, 5, 9], [0.5, -5, 9]]}
     ),
     # Out at x = 30, in again at x = 45 and out at x = 60.
     **{
@@ -254,13 +262,14 @@ def test_an_odd_scene_ends_as_the_oracle_says(name, nightly):
             assert create(engine).solve_all([scene] * 20) == [result] * 20
 
 
-@pytest.mark.parametrize("name", BRANCHES)
-def test_the_scheme_takes_the_branch_of_a_step(name):
+@pytest.mark.parametrize("name", [*BRANCHES, *(name for name in SCENES if "tops" in name)])
+def test_the_scheme_takes_the_branch_of_a_step_and_the_highest_of_several_tops(name):
     found = dict(
-        quantities(json.loads(solve(parse_scene(json.dumps(BRANCHES[name])), SCHEME).line()))
+        quantities(json.loads(solve(parse_scene(json.dumps(SCENES[name])), SCHEME).line()))
     )
     true = about(name, IN_STEPS, 100.0)
-    for key in (f"landing.{part}" for part in ("time", "position", "velocity", "spin")):
+    keys = (f"landing.{part}" for part in ("time", "position", "velocity", "spin"))
+    for key in (*keys, "apex.time", "apex.position"):
         if key in true:
             value, tolerance = true[key]
             assert math.dist(found[key], value) <= tolerance, key

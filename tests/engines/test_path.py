@@ -12,8 +12,11 @@ from longball.engines.enclosure import Enclosure
 from longball.engines.event import ground, vertical
 from longball.engines.ivp import Ivp
 from longball.engines.multiprecision import Multiprecision
+from longball.engines.path import Flight, Path
+from longball.engines.polynomial import PolynomialPiece
 from longball.engines.verlet import Verlet
 from longball.model.law import PlaneState, law_with
+from longball.model.numbers import DOUBLES
 from longball.model.scene import parse_scene
 
 IVP, ENCLOSURE = Ivp(), Enclosure(30)
@@ -116,6 +119,26 @@ def test_a_time_outside_the_flight_is_an_error(engine, time):
         path.at(engine.numbers.exact(time))
 
 
+def straight(begin, length, z=0.0, w=0.0):
+    """A piece in a straight line upwards."""
+    return PolynomialPiece(begin, length, PlaneState, np.array([[0, 0], [z, w], [0, 0], [w, 0]]))
+
+
+@pytest.mark.parametrize("rising", [1e-12, 1e-3, 2.0])
+@pytest.mark.parametrize("falling", [-1e-12, -1e-3, -2.0])
+def test_a_top_where_two_pieces_join(rising, falling):
+    pieces = [straight(0.0, 1.0, 5.0, rising), straight(1.0, 1.0, 5.0 + rising, falling)]
+    flight = Flight(Path(pieces), "time", 2.0, pieces[1].at(1.0))
+    time, state = flight.highest(DOUBLES)
+    assert (time, state.z) == (1.0, 5.0 + rising)
+
+
+def test_a_ball_that_rises_ever_more_slowly_has_no_top():
+    rows = np.array([[0.0] * 3, [5.0, 3.0, -1.25], [0.0] * 3, [3.0, -2.5, 0.0]])
+    piece = PolynomialPiece(0.0, 1.0, PlaneState, rows)
+    assert Flight(Path([piece]), "time", 1.0, piece.at(1.0)).highest(DOUBLES) is None
+
+
 # --- one flight after another ---------------------------------------------------------------------
 
 
@@ -146,6 +169,20 @@ def test_a_flight_that_goes_on_as_another(engine):
         for one, following in pairwise(whole.path.pieces()):
             assert_same([one.begin + one.length], [following.begin], math.ulp(20.0))
             assert not one.begin + one.length < following.begin
+
+
+def test_the_pieces_of_a_flight_that_goes_on_reach_each_other():
+    """However their times are rounded."""
+    rng = np.random.default_rng(5)
+    ends = [0.0, *np.cumsum(rng.uniform(0.01, 0.5, 20)).tolist()]
+    second = [straight(a, math.nextafter(b - a, 1), w=1.0) for a, b in pairwise(ends)]
+    end = second[-1].at(0.0)
+    for time in rng.uniform(0.1, 9.0, 50).tolist():
+        first = Flight(Path([straight(0.0, 9.0)]), "time", time, end)
+        whole = first.then(Flight(Path(second), "time", ends[-1], end))
+        for one, following in pairwise(whole.path.pieces()):
+            assert not one.begin + one.length < following.begin
+            assert one.begin + one.length == pytest.approx(following.begin, abs=1e-14)
 
 
 # --- scenes ---------------------------------------------------------------------------------------

@@ -9,24 +9,30 @@ error.
 
 from __future__ import annotations
 
+import json
 import math
+import operator
 import re
 from decimal import Decimal
+from itertools import product
 
+import numpy as np
 import pytest
 
 import longball as lb
 from longball import golden
+from longball.engines.batch.columns import NUMBERS
+from longball.engines.batch.slopes import ColumnJet, ColumnJets
 from longball.engines.chain import solve
 from longball.engines.enclosure import Enclosure
 from longball.engines.engine import CannotSolve
 from longball.engines.ivp import Ivp
 from longball.engines.multiprecision import Multiprecision
-from longball.engines.tangent import Kink, derivatives_by, derivatives_of
+from longball.engines.tangent import Jet, Jets, Kink, Seed, derivatives_by, derivatives_of
 from longball.golden.case import ROUNDING, decisions
 from longball.golden.condition import magnitudes
 from longball.model.inputs import STEP, inputs, with_input
-from longball.model.numbers import Undecided
+from longball.model.numbers import DOUBLES, Undecided
 from longball.model.quantities import numbers_of
 from longball.model.scene import FlightScene, parse_scene
 from tests.calls import check_wrong_calls
@@ -288,6 +294,53 @@ def test_other_units_change_a_distance_as_euler_says():
     for total, size, power in zip(sums, sizes, (0, 1, 0), strict=True):
         assert size > 0
         assert total == pytest.approx(power * distance, abs=GOOD * size)
+
+
+@pytest.mark.parametrize("offset", [0.3, -0.2])
+def test_the_margin_of_a_miss_has_the_derivatives_that_are_proven(offset):
+    """It is taken at a time that changes with the scene, and that makes no difference."""
+    scene = parse_scene(json.dumps({"kind": "at-bat", "swing": {"height_offset": offset}}))
+    names = ["swing.height_offset", "pitch.speed", "pitch.release[2]", "ball.mass"]
+    found, proven = (
+        derivatives_of(scene, ["contact.margin"], names, engine)["contact.margin"]
+        for engine in (Ivp(), Enclosure(30))
+    )
+    for name in names:
+        assert found[name] == pytest.approx(float(proven[name].value), abs=5 * GOOD)
+
+
+FORMULAS = [
+    lambda x, y, n: x + y - 2 * x * y / 5 + x / y - (7 - y) + 3 / x + abs(1 - x),
+    lambda x, y, n: n.sqrt(x * x + y * y) + n.angle(y, x) + n.angle(-y, 2 * x),
+    lambda x, y, n: n.functions["exp"](x / y) * n.functions["log"](x * y),
+    lambda x, y, n: n.cos_sin(x)[0] * n.cos_sin(y)[1] + n.functions["unit"](x, n.sqrt(y)),
+]
+
+
+@pytest.mark.parametrize("jets", [Jets(DOUBLES), ColumnJets(NUMBERS)], ids=["one", "columns"])
+@pytest.mark.parametrize("formula", FORMULAS)
+def test_jets_follow_the_rules_of_derivatives(formula, jets):
+    columns, h = isinstance(jets, ColumnJets), 1e-5
+    for x, y, dx, dy in ((3.0, 5.0, 0.5, -2.0), (0.5, 0.25, -1.0, 0.5)):
+        parts = [
+            ColumnJet(np.array([a]), np.array([[da]])) if columns else Jet(a, da)
+            for a, da in ((x, dx), (y, dy))
+        ]
+        found = formula(*parts, jets)
+        assert np.ravel(found.value).item() == pytest.approx(formula(x, y, DOUBLES), rel=1e-15)
+        ends = [formula(x + sign * h * dx, y + sign * h * dy, DOUBLES) for sign in (1, -1)]
+        assert np.ravel(found.rate).item() == pytest.approx((ends[0] - ends[1]) / (2 * h), rel=1e-7)
+
+
+def test_seeds_add_as_numbers_do():
+    total = 1.0 + (Seed(3.0, 0.5) + Seed(5.0, -2.0))
+    assert (total, total.rate) == (9.0, -1.5)
+
+
+def test_jets_compare_as_their_numbers():
+    for a, b in product((1.0, 2.0), repeat=2):
+        for compare in (operator.lt, operator.le, operator.gt, operator.ge):
+            assert compare(Jet(a, 5.0), Jet(b, 3.0)) == compare(Jet(a, 5.0), b) == compare(a, b)
 
 
 # --- as `lb.solve` gives them ---------------------------------------------------------------------

@@ -185,6 +185,17 @@ def test_a_ball_that_glides_on_the_ground_is_down(landing):
     assert (flight.stop, flight.time, flight.state.s) == ("ground", 0.0, 1.0)
 
 
+@pytest.mark.parametrize("landing", ["interpolated", "first_below"])
+@pytest.mark.parametrize("stop", ["ground", "plate"])
+def test_a_step_that_ends_on_a_surface_ends_the_flight(landing, stop):
+    """The ground 4 m below under 8 m/s², or the plate 2 m ahead at 2 m/s: after 1 s."""
+    events = [ground(), plate(3.0)] if stop == "ground" else [ground(-1.0), plate(2.0)]
+    falls = verlet(0.25, landing=landing)
+    arrival = falls.fly(law(gravity=8.0), PlaneState(0.0, 4.0, 2.0, 0.0), events, 60.0)
+    assert (arrival.stop, arrival.time) == (stop, 1.0)
+    assert arrival.state == (2.0, 0.0, 2.0, -8.0)
+
+
 def test_the_first_point_below_is_a_step():
     engine = verlet(0.05, landing="first_below")
     arrival = fall(engine)

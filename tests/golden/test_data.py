@@ -38,6 +38,8 @@ def test_the_set_is_what_its_files_say_and_a_sample_is_solved_again():
     assert report.failures == ()
     assert report.solved_again == 5
     assert report.cases == len(CASES) + len(golden.probabilities().cases) >= 500
+    confirmed, solved = map(int, re.findall(r"\b[0-9]+\b", report.confirmed)[:2])
+    assert solved - 20 < confirmed <= solved == sum(bool(c.expected.outcome) for c in CASES)
 
 
 def test_lines_obey_the_shipped_schemas():

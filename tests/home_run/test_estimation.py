@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from longball.home_run import PAPER_CURVES, Curve, Estimate, Struck, estimate, fit, wilson
+from longball.home_run.estimation import fit_form, of_line
 
 
 class TestEstimate:
@@ -30,7 +31,10 @@ class TestEstimate:
     def test_wilson_is_the_score_interval(self):
         """Its ends lie 1.96 of their own standard errors from what was counted."""
         for successes, trials in [(0, 10), (3, 10), (170, 1000), (10, 10)]:
-            for p in set(wilson(successes, trials)) - {0.0, 1.0}:
+            low, high = wilson(successes, trials)
+            assert (low == 0.0) is (successes == 0)
+            assert (high == 1.0) is (successes == trials)
+            for p in {low, high} - {0.0, 1.0}:
                 error = math.sqrt(p * (1 - p) / trials)
                 assert abs(successes / trials - p) == pytest.approx(1.959963984540054 * error)
 
@@ -66,6 +70,28 @@ class TestFit:
             inside += abs(found.curve.c1 - curve.c1) < 1.96 * found.c1_error
         # 95 of 100 expected; binomially, fewer than 88 or all 100 are each below 1 %.
         assert 88 <= inside < 100
+
+    def test_values_without_errors_lie_on_a_line_of_probits(self):
+        curve = PAPER_CURVES["caption"]
+        e = (0.3, 0.5, 0.7)
+        found = fit_form(e, [*map(curve, e)])
+        assert (found.curve.c1, found.curve.sigma) == pytest.approx((242.0, 52.2), rel=1e-6)
+        assert found.c1_error < 1e-4 * found.curve.c1  # they do not scatter
+        # The form is never 0 or 1: such values say nothing, and two others leave no scatter.
+        outer = (0.1, *e, 0.9), [0.0, *map(curve, e), 1.0]
+        assert fit_form(*outer) == found
+        assert fit_form(outer[0][:3], outer[1][:3]) is None
+        assert fit_form(outer[0][:3], outer[1][:3], [0.01] * 3) is not None
+        assert fit_form(outer[0][:2], outer[1][:2], [0.01] * 2) is None
+        assert fit_form(outer[0][1:3], outer[1][1:3], [0.01] * 2) is None
+
+    def test_errors_are_propagated_from_the_line(self):
+        a, b, step = 4.0, 3.0, 1e-6
+        for change in ((step, 0.0), (0.0, step), (step, step), (step, -step)):
+            one = of_line(a, b, np.outer(change, change))
+            moved = of_line(a + change[0], b + change[1], np.zeros((2, 2))).curve
+            assert one.c1_error == pytest.approx(abs(moved.c1 - one.curve.c1), rel=1e-4, abs=1e-9)
+            assert one.sigma_error == pytest.approx(abs(moved.sigma - one.curve.sigma), rel=1e-4)
 
     def test_says_when_there_is_nothing_to_fit(self):
         assert fit(self.rows(Curve(100.0, 5.0), 1000)) is None

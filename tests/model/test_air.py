@@ -260,8 +260,9 @@ def test_a_fence_that_folds_back_on_itself() -> None:
     assert not crosses((70, 9), (70, -9), (70, -9), (60, -20))  # a step of the height
 
 
-def test_a_fence_that_turns_back_goes_the_way_between_its_ends() -> None:
-    corners = [(60, 0.1), (100, -0.5), (60, 0.05)]
+@pytest.mark.parametrize("about", [0.0, 1.4, -1.4])
+def test_a_fence_that_turns_back_goes_the_way_between_its_ends(about: float) -> None:
+    corners = [(60, 0.1 + about), (100, -0.5 + about), (60, 0.05 + about)]
     fence = [[far * math.cos(angle), far * math.sin(angle), 2] for far, angle in corners]
     assert scene(fence={"polyline": fence}).fence.polyline is not None
     with pytest.raises(InvalidScene, match="the wrong way round"):

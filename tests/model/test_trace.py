@@ -70,6 +70,11 @@ def test_what_is_multiplied_by_nothing_is_gone(absent):
     assert absent is trace.ZERO
 
 
+@pytest.mark.parametrize("node", [X, K, K + K])
+def test_what_is_added_to_nothing_is_as_it_was(node):
+    assert node + 0.0 is 0.0 + node is node
+
+
 def test_static_factors_stand_before_products():
     product = (K * X) * (2 * Y)
     assert product.kind == "sum"

@@ -163,10 +163,9 @@ def test_what_is_no_measurement_is_refused():
 # --- aim ------------------------------------------------------------------------------------------
 
 
-def vacuum(speed=40.0):
-    return lb.Flight(
-        air=None, launch={"position": [0, 0, 0.5], "velocity": [speed, 0, 0]}, gravity=9.8
-    )
+def vacuum(speed=40.0, position=(0.0, 0.0, 0.5), **keys):
+    launch = {"position": position, "velocity": [speed, 0, 0]}
+    return lb.Flight(air=None, launch=launch, **{"gravity": 9.8} | keys)
 
 
 def angles(x, z, v=40.0, g=9.8):
@@ -174,29 +173,49 @@ def angles(x, z, v=40.0, g=9.8):
     return [math.atan((v * v + sense * root) / (g * x)) for sense in (-1, 1)]
 
 
-def test_a_place_is_hit_low_and_high_as_the_closed_form_says():
-    hits = lb.aim(vacuum(), [90.0, 0.0])
-    found = [math.atan2(hit.launch.velocity[2], hit.launch.velocity[0]) for hit in hits]
-    assert found == pytest.approx(angles(90.0, -0.5), rel=1e-12)
+@pytest.mark.parametrize("bearing", [0.4, 2.9, -2.9])
+@pytest.mark.parametrize("point", [[], [12.0], [0.0]], ids=["place", "point", "on the ground"])
+def test_a_target_is_hit_low_and_high_as_the_closed_form_says(bearing, point):
+    x, y, z = 3.0, -2.0, 0.5
+    target = [x + 70.0 * math.cos(bearing), y + 70.0 * math.sin(bearing), *point]
+    hits = lb.aim(vacuum(position=(x, y, z)), target)
+    for hit, angle in zip(hits, angles(70.0, sum(point) - z), strict=True):
+        u, v, w = hit.launch.velocity
+        assert math.atan2(w, math.hypot(u, v)) == pytest.approx(angle, rel=1e-12)
+        assert math.remainder(math.atan2(v, u) - bearing, math.tau) == pytest.approx(0, abs=1e-12)
 
 
-def test_a_point_is_passed_low_and_high_as_the_closed_form_says():
-    x, y, z = 60.0, 25.0, 12.0
-    hits = lb.aim(vacuum(), [x, y, z])
-    found = [
-        math.atan2(hit.launch.velocity[2], math.hypot(*hit.launch.velocity[:2])) for hit in hits
-    ]
-    assert found == pytest.approx(angles(math.hypot(x, y), z - 0.5), rel=1e-12)
+def test_a_distance_counts_from_the_plate():
+    for hit, angle in zip(
+        lb.aim(vacuum(position=(3.0, -20.0, 0.5)), 85.0),
+        angles(math.sqrt(85.0**2 - 20.0**2) - 3.0, -0.5),
+        strict=True,
+    ):
+        assert math.atan2(*hit.launch.velocity[::-2]) == pytest.approx(angle, rel=1e-12)
+
+
+def test_a_launch_of_the_grid_that_hits_exactly_counts_once():
+    """Level, 4 m high, under 8 m/s²: it lands after 1 s."""
+    level, high = lb.aim(vacuum(position=(0.0, 0.0, 4.0), gravity=8.0), 40.0)
+    assert level.launch.velocity == pytest.approx((40.0, 0.0, 0.0), abs=1e-12)
+    assert math.atan2(*high.launch.velocity[::-2]) == pytest.approx(
+        angles(40.0, -4.0, g=8.0)[1], rel=1e-12
+    )
+
+
+def test_a_curved_ball_lands_where_it_is_aimed(monkeypatch):
+    """Straight behind it, a gale across takes it from the one end of the angles to the other.
+
+    As soon as a secant's error is the product of the two before it.
+    """
+    monkeypatch.setattr("longball.questions.aiming._CORRECTED", 6)
+    scene = with_values(real(3), {"air.wind[0]": 1.0, "air.wind[1]": 15.0})
+    target = [-60.0, 0.0]
+    hits = lb.aim(scene, target)
+    assert len(hits) == 2
     for hit in hits:
-        u, v, _ = hit.launch.velocity
-        assert math.atan2(v, u) == pytest.approx(math.atan2(y, x), rel=1e-12)
-
-
-def test_a_curved_ball_lands_where_it_is_aimed():
-    scene = real(3)
-    for hit in lb.aim(scene, [95.0, -20.0]):
         landing = lb.solve(hit).landing.position
-        assert landing == pytest.approx((95.0, -20.0, 0.0), abs=1e-9)
+        assert landing == pytest.approx((*target, 0.0), abs=1e-9)
         assert hit.launch.position == scene.launch.position
 
 
@@ -218,10 +237,11 @@ def test_random_scenes_say_how_far_they_get(first, nightly):
         assert low.launch.velocity[2] < high.launch.velocity[2]
 
 
-def test_a_speed_is_found():
-    (hit,) = lb.aim(vacuum(), 15.0, unknowns=["launch.speed"])
-    # level, from h = 0.5 m: v = d √(g/(2 h))
-    assert hit.launch.velocity[0] == pytest.approx(15.0 * math.sqrt(9.8), rel=1e-12)
+@pytest.mark.parametrize("distance", [0.35, 15.0, 31.0])
+def test_a_speed_is_found(distance):
+    (hit,) = lb.aim(vacuum(), distance, unknowns=["launch.speed"])
+    # level, from h = 0.5 m: v = d √(g/(2 h)), of 1.1 to 97 m/s
+    assert hit.launch.velocity[0] == pytest.approx(distance * math.sqrt(9.8), rel=1e-12)
 
 
 def test_beyond_reach_it_says_how_far_it_gets():
@@ -233,12 +253,20 @@ def test_beyond_reach_it_says_how_far_it_gets():
     high = h + v * v / (2 * g) - g * 60.0**2 / (2 * v * v)
     with pytest.raises(lb.CannotSolve, match=f"is at most {high:.6g} m high"):
         lb.aim(vacuum(), [60.0, 0.0, 90.0])
+    # the fastest, level: v √(2 h/g)
+    fastest = 100.0 * math.sqrt(2 * h / g)
+    with pytest.raises(lb.CannotSolve, match=rf"{fastest:.6g} m of 50 m, at launch\.speed = 100$"):
+        lb.aim(vacuum(), 50.0, unknowns=["launch.speed"])
 
 
 WRONG_AIMS = """
 lb.aim({"kind": "pitch"}, 1.0) -> must be .flight. here
 lb.aim(vacuum(), [1, 2, 3, 4]) -> a distance is needed
 lb.aim(vacuum(), math.inf) -> must be finite
+lb.aim(vacuum(), 0.0) -> a distance must be positive
+lb.aim(vacuum(), [[90.0, 0.0]]) -> a distance is needed
+lb.aim(vacuum(0.1, (50, 0, 1)), 49.5) -> beyond the target at every launch.angle from -1.571 on
+lb.aim(vacuum(time_limit=1e-3), 10.0) -> no launch lands, at any launch.angle from -1.571 to 1.571
 lb.aim(vacuum(), 1.0, unknowns=["launch.angel"]) -> did you mean launch.angle
 lb.aim(vacuum(), 1.0, unknowns=["launch.angle", "launch.direction"])
     -> a distance takes one, launch.angle

@@ -51,19 +51,21 @@ SIDE = {"side_coefficient": {"value": 0.07, "direction": [1.0, -3.0, 2.0]}}  # n
 
 
 @pytest.mark.parametrize(
-    "air", [{}, {"wind": [-3.0, 2.0, 0.5]}, SIDE], ids=["calm", "windy", "side force"]
+    "air",
+    [{"density_scale_height": 8500.0}, {"wind": [-3.0, 2.0, 0.5]}, SIDE],
+    ids=["calm", "windy", "side force"],
 )
 @pytest.mark.parametrize("law", LAWS)
 def test_the_law_there_and_back_is_the_identity(law, air):
     through = np.array(VELOCITY) - air.get("wind", [0.0, 0.0, 0.0])
     ahead = through / np.linalg.norm(through)
     across = np.cross(ahead, [0.2, 0.5, 0.7])
-    for rate, along in ((30.0, 0.0), (150.0, 40.0), (260.0, -120.0)):
+    for rate, along in ((30.0, 0.0), (150.0, 40.0), (260.0, -120.0), (700.0, 9.0)):
         spin = rate * across / np.linalg.norm(across)
         whole = spin + along * ahead
         pitch = scene(LAWS[law], whole.tolist(), **air)
         found = lb.spin_from_movement(
-            pitch, VELOCITY, acceleration(pitch), rate=np.linalg.norm(whole), gyro=along
+            pitch, VELOCITY, acceleration(pitch), np.linalg.norm(whole), along, height=1.8
         )
         assert found.transverse == pytest.approx(spin, rel=1e-11, abs=1e-10)
         assert found.drag_coefficient == pytest.approx(0.35, rel=1e-12)
@@ -85,12 +87,21 @@ def test_above_the_laws_maximum_there_is_no_spin():
         lb.spin_from_movement(flat, VELOCITY, asked[1])
 
 
+def test_a_pitch_that_only_slows_down_and_falls_needs_no_spin():
+    found = asked(velocity=[-40.0, 0.0, 0.0], push=[5.0, 0.0, -9.8], rate=99.0)
+    assert found.transverse.tolist() == [0.0, 0.0, 0.0]
+    assert (found.lift_coefficient, found.active_share) == (0.0, 0.0)
+
+
 def test_a_share_above_one_is_flagged():
     pitch = {"kind": "pitch", "air": {"lift_coefficient": LAWS["linear"], "density": 1.2}}
-    found = lb.spin_from_movement(pitch, VELOCITY, [5.0, 0.0, -5.0], rate=[50.0, 500.0])
-    assert found.above_one.tolist() == [True, False]
-    assert found.active_share[0] == pytest.approx(10 * found.active_share[1])
-    assert np.isnan(found.spin).all(axis=1).tolist() == [True, False]
+    push = [5.0, 0.0, -5.0]
+    shares = np.array([3.0, 1.1, 0.9, 0.3])
+    rates = lb.spin_from_movement(pitch, VELOCITY, push).rate / shares
+    found = lb.spin_from_movement(pitch, VELOCITY, push, rate=rates)
+    assert found.above_one.tolist() == (shares > 1).tolist()
+    assert found.active_share == pytest.approx(shares, rel=1e-12)
+    assert np.isnan(found.spin).all(axis=1).tolist() == (shares > 1).tolist()
 
 
 def asked(lift=LAWS["rational"], velocity=VELOCITY, push=(5.0, 0.0, -5.0), rate=None, **blocks):

@@ -148,7 +148,7 @@ def typical(errors: Array) -> Array:
     return result
 
 
-def errors_without_truth(steps: Array, values: Array, order: float, ratio: float = 1.0) -> Array:
+def errors_without_truth(steps: Array, values: Array, order: float, ratio: float) -> Array:
     """Return |q(h) - q(0)| from the differences between steps.
 
     If q(h) = q(0) + C h^p, then q(h_k) - q(h_l) = C h_k^p (1 - (h_l/h_k)^p). Steps, s, descend;

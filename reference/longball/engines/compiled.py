@@ -222,4 +222,4 @@ def _write(name: str, content: bytes) -> None:
 def _announce_compilation() -> None:
     """Print a note on the first compilation; on terminals only."""
     if sys.stderr is not None and sys.stderr.isatty():
-        print("longball: compiling (a few seconds, once per machine)", file=sys.stderr, flush=True)
+        print("longball: compiling (a few seconds, once per machine)", file=sys.stderr)

@@ -170,7 +170,7 @@ def zero_of(curve: Curve, a: N, b: N, question: str, numbers: Numbers) -> N:
     Raises `Undecided` if the value at a is an interval around zero: it may have fallen before a.
     """
     there = curve(a)
-    if not (there > 0 or there <= 0):
+    if not there <= 0:
         _require_positive(there, numbers.exact(0.0), question, numbers)
     return curve.zero(a, b)
 

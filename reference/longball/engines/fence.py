@@ -123,7 +123,7 @@ def stop_at(
         radius = numbers.exact(fence.radius)
         ahead = frame.x * frame.cos + frame.y * frame.sin
         inside = radius * radius - frame.x * frame.x - frame.y * frame.y
-        return numbers.sqrt(ahead * ahead + inside) * sense - ahead, nowhere
+        return sense * numbers.sqrt(ahead * ahead + inside) - ahead, nowhere
     nearest, first = sense * far, nowhere
     for chord in chords(fence.polyline, numbers):
         left_a, aside_a, near_a = seen(chord.a, chord.open_a)

@@ -148,14 +148,15 @@ class Ivp(PathEngine):
                     **({"law": law, "until": ends} if taylor else self.tolerances),
                 )
             for piece in _pieces(law, solution):
-                taken, time = taken + 1, piece.begin + piece.length
+                taken += 1
                 if taken > _MOST_STEPS:
                     raise TooLong(
                         f"the flight takes over {_MOST_STEPS} steps; try a shorter time_limit"
                     )
                 yield piece
             if solution.status < 0:
-                raise OutOfRange(f"solve_ivp gave up at t = {time:.6g} s: {solution.message}")
+                reached = solution.t[-1]
+                raise OutOfRange(f"solve_ivp gave up at t = {reached:.6g} s: {solution.message}")
             last = solution.sol.interpolants[-1]
             time, state = float(last.t), last(last.t)
 

@@ -374,22 +374,8 @@ class JetCurve:
         return self.inner.positive(plain_of(a), plain_of(b))
 
     def turns(self, a: Jet, b: Jet) -> Sequence[Jet]:
-        """See `Curve`. Turning points are refined to zeros of ġ.
-
-        To first order a value does not depend on the time of its turning point, but its derivative
-        does. The inner engine finds turning points of g with half of the digits of doubles.
-        """
-        turns = self.inner.turns(plain_of(a), plain_of(b))
-        if not self.piece.rounding:
-            return [Jet(t) for t in turns]
-        h = self.piece.piece.length * _APART
-        shifted = []
-        for t in turns:
-            before, falls, after = (self._falling(at)[0] for at in (t - h, t, t + h))
-            curvature = (after - before) / (2 * h)
-            step = -falls / curvature if curvature else 0
-            shifted.append(Jet(t + step if abs(step) < h else t))
-        return shifted
+        """See `Curve`. To first order a value does not depend on the time of its turning point."""
+        return [Jet(t) for t in self.inner.turns(plain_of(a), plain_of(b))]
 
     def _falling(self, t: Any) -> tuple[Any, Any, Sequence[Any]]:
         """Return ġ, the state and its rates."""
@@ -441,8 +427,6 @@ def is_steep(falls: Any, across: Any, rounding: float) -> Any:
     return rounding * _ROUNDINGS * across**2 <= _GOOD * falls**2
 
 
-# Step for the derivative of ġ, relative to a piece; three digits of it are enough.
-_APART = 2.0**-10
 # Relative accuracy of derivatives; error of a position after a few steps, in half ulps.
 _GOOD, _ROUNDINGS = 1e-12, 8
 

@@ -356,13 +356,12 @@ class Verlet(Stepped):
 
         Raises `TooLong` before the first step; see `fly`.
         """
-        steps = math.ceil(min(limit / self.dt, 2.0**53))
-        if steps > _MOST_WORK:
+        if limit / self.dt > _MOST_WORK:
             raise TooLong(
                 f"time_limit = {limit:.6g} s takes more than {_MOST_WORK:,} steps of {self.dt!r} s;"
                 f" take a time_limit of {_MOST_WORK * self.dt:.3g} s or less, or a longer step"
             )
-        treatment = TREATMENTS[self.forces]
+        steps, treatment = math.ceil(limit / self.dt), TREATMENTS[self.forces]
         last, done, length = np.array(start, dtype=float), 0, _FIRST_STEPS
         branches = branches_at(law, start, DOUBLES)
         require_law(law, branches, 0.0)

@@ -38,9 +38,10 @@ except MissingExtra as missing:
 # Notation
 # --------------------------------------------------------------------------------------------------
 
-BALL_MASS = sp.Symbol("m", positive=True)
-BAT_MASS = sp.Symbol("M", positive=True)
-REDUCED_MASS = sp.Symbol("mu", positive=True)
+# Only what a step of the derivation needs is assumed of a symbol.
+BALL_MASS = sp.Symbol("m")
+BAT_MASS = sp.Symbol("M")
+REDUCED_MASS = sp.Symbol("mu")
 IMPULSE = sp.Symbol(r"\bar{F} \Delta t", real=True)
 BETA = sp.Symbol("beta", real=True)
 # Zero is allowed; the two roots of the restitution relation then coincide.
@@ -48,31 +49,31 @@ RESTITUTION = sp.Symbol(r"\tilde{e}", nonnegative=True)
 # The normal points from the bat to the ball, so the normal speed is negative before a collision.
 NORMAL_SPEED = sp.Symbol(r"(\tilde{\mathbf{V}} \cdot \mathbf{n})", negative=True)
 
-VELOCITY = sp.Matrix(sp.symbols("V_x V_y V_z", real=True))
-BAT_VELOCITY = sp.Matrix(sp.symbols("V_bx V_by V_bz", real=True))
-NORMAL = sp.Matrix(sp.symbols("n_x n_y n_z", real=True))
+VELOCITY = sp.Matrix(sp.symbols("V_x V_y V_z"))
+BAT_VELOCITY = sp.Matrix(sp.symbols("V_bx V_by V_bz"))
+NORMAL = sp.Matrix(sp.symbols("n_x n_y n_z"))
 
 # Section III.C: r = m / M_eff, and the e in Eq. 10 for ẽ.
-MASS_RATIO = sp.Symbol("r", positive=True)
+MASS_RATIO = sp.Symbol("r")
 PRINTED_E = sp.Symbol("e", nonnegative=True)
 APPARENT_RESTITUTION = sp.Symbol("e_A", real=True)
 
 # Oblique impact: bodies rotate, with friction. The basis is right-handed: along the normal, along
 # the bat's axis, and perpendicular to both. The normal is perpendicular to the axis.
-RADIUS, BAT_RADIUS = sp.symbols("R r_b", positive=True)
-INERTIA_FACTOR = sp.Symbol("beta_I", positive=True)  # I = β m R²; 2/5 for a solid sphere
-INERTIA, AXIAL_INERTIA = sp.symbols("J J_a", positive=True)  # of the bat: across and along its axis
-INVERSE_BAT_MASS = sp.Symbol("w", nonnegative=True)  # 1/M of a free bat, 0 at a pivot
-ARM = sp.Symbol("d", real=True)  # along the bat, from the pivot or the bat's centre to the contact
-TANGENTIAL_RESTITUTION = sp.Symbol("e_T", real=True)
-FRICTION = sp.Symbol("mu_f", positive=True)
-PUSH = sp.Matrix(sp.symbols("P_n P_y P_t", real=True))
-SLIP = sp.Matrix(sp.symbols("g_n g_y g_t", real=True))
-DIRECTION = sp.symbols("t_y t_t", real=True)
-INVERSE_MASS = sp.symbols("K_nn K_ny K_yy K_tt", real=True)
-RESISTANCE = sp.Symbol("D", positive=True)
-SPIN = sp.Matrix(sp.symbols("omega_x omega_y omega_z", real=True))
-ROTATION = sp.Matrix(sp.symbols("Omega_x Omega_y Omega_z", real=True))
+RADIUS, BAT_RADIUS = sp.symbols("R r_b")
+INERTIA_FACTOR = sp.Symbol("beta_I")  # I = β m R²; 2/5 for a solid sphere
+INERTIA, AXIAL_INERTIA = sp.symbols("J J_a")  # of the bat: across and along its axis
+INVERSE_BAT_MASS = sp.Symbol("w")  # 1/M of a free bat, 0 at a pivot
+ARM = sp.Symbol("d")  # along the bat, from the pivot or the bat's centre to the contact
+TANGENTIAL_RESTITUTION = sp.Symbol("e_T")
+FRICTION = sp.Symbol("mu_f")
+PUSH = sp.Matrix(sp.symbols("P_n P_y P_t"))
+SLIP = sp.Matrix(sp.symbols("g_n g_y g_t"))
+DIRECTION = sp.symbols("t_y t_t")
+INVERSE_MASS = sp.symbols("K_nn K_ny K_yy K_tt")
+RESISTANCE = sp.Symbol("D")
+SPIN = sp.Matrix(sp.symbols("omega_x omega_y omega_z"))
+ROTATION = sp.Matrix(sp.symbols("Omega_x Omega_y Omega_z"))
 
 # The same vectors as single symbols, for printed equations.
 _V, _V_BAT, _V_RELATIVE = sp.symbols(r"\mathbf{V} \mathbf{V}_{b} \tilde{\mathbf{V}}")
@@ -240,7 +241,7 @@ def apparent_restitution() -> sp.Expr:
     (ẽ - r) / (1 + r), Nathan's e_A (Am. J. Phys. 71, 134 (2003), the paper's nathan03), from the
     derived collision with a bat of mass M_eff = m / r.
     """
-    incident_speed = sp.Symbol("v", positive=True)
+    incident_speed = sp.Symbol("v")
     velocity = -incident_speed * NORMAL
     after = collide(velocity, sp.zeros(3, 1), NORMAL)
     ratio = on_unit_normal(after.ball.dot(NORMAL) / incident_speed)

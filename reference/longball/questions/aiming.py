@@ -113,7 +113,7 @@ def aim(
     @cache
     def trial(x: float) -> _Trial | None:
         try:
-            return _trial(asked, place.reshape(-1), {main: x}, solver)
+            return _trial(asked, np.atleast_1d(place), {main: x}, solver)
         except (CannotSolve, InvalidScene, Undecided, ValidationError):
             return None
 
@@ -127,9 +127,10 @@ def aim(
     if not known:
         raise CannotSolve(f"no launch lands, at any {main} from {grid[0]:.4g} to {grid[-1]:.4g}")
     best = grid.index(max(known, key=excess))
+    near = grid[max(best - 1, 0) : best + 2]
     peak = minimize_scalar(
         lambda x: -excess(x) if trial(x) else math.inf,
-        bounds=(grid[max(best - 1, 0)], grid[min(best + 1, _TRIED - 1)]),
+        bounds=(near[0], near[-1]),
         method="bounded",
         options={"xatol": 1e-9},
     )
@@ -196,8 +197,9 @@ def _trial(
         place = np.array([*map(float, result.landing.position)])
         gets, turned = _polar(place[:2] - origin)
         trial = _Trial(launched, gets - away, f"the ball gets at most {gets:.6g} m of {away:.6g} m")
-        if bearing is None or direction is None:
+        if bearing is None:
             break
+        assert direction is not None
         # The excess at a point is the ball's height above it. A ball that lands before it has the
         # (negative) distance by which it is short added, so that the excess stays continuous.
         if len(target) == 3:

@@ -78,6 +78,14 @@ def test_a_curve_may_start_on_zero_and_on_a_turn():
     assert Curve(arb_poly([3])).turns(arb(0), arb(1)) == []
 
 
+@pytest.mark.parametrize("near", [1e-12, 1e-30, 1e-60])
+def test_a_zero_is_as_sharp_however_near_the_beginning_it_is(near):
+    """Of t (near - t), which falls from the middle of the two zeros on."""
+    zero = Curve(arb_poly([0, near, -1])).zero(arb(near) / 2, arb(1))
+    assert zero.contains(arb(near))
+    assert zero.rad() < 1e-30 * near
+
+
 @pytest.mark.parametrize("power", [1, 2, 3])
 def test_a_zero_between_flat_ends(power):
     # 1 - 2 t^n (…): falls from 1 to -1, flat at both ends for n > 1.
