@@ -385,7 +385,7 @@ def test_a_rough_edit_may_leave_a_few_errors():
 
 @pytest.mark.parametrize(
     ("first", "second", "chosen"),
-    [(6, 8, 0), (6, 13, 1), (15, 60, 0)],  # of more than twenty scenes each tells as much
+    [(4, 6, 0), (4, 9, 1), (7, 60, 0)],  # of more than ten scenes each tells as much
 )
 def test_a_later_flight_comes_first_if_it_tells_far_more(first: int, second: int, chosen: int):
     flights = [stage for stage in CHAIN if stage.kind == "flight"][:2]
