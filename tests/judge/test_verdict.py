@@ -15,6 +15,7 @@ import numpy as np
 import pytest
 
 import longball as lb
+from longball import golden
 from longball.engines.ivp import Ivp
 from longball.judge import assert_case, judge
 from longball.judge import cases as golden_cases
@@ -24,6 +25,7 @@ from longball.judge.diagnosis.findings import Diagnosis, Finding, StageRow
 from longball.judge.evaluation import Evaluation, Judge
 from longball.judge.junit import junit
 from longball.judge.page import page
+from longball.judge.quantities import values_of
 from longball.judge.text import _diagnosis, render
 from longball.judge.verdict import SCHEMA_FILE, Submission, Verdict, compare, schema
 from longball.model.result import Result
@@ -268,6 +270,30 @@ def test_what_doubles_cannot_decide_is_not_judged(few: list[Known]):
     verdict = tried(cases, missed).verdict
     assert verdict.passed, verdict.reasons
     assert verdict.undecidable == ["sample-000000", "sample-000001"]
+
+
+@pytest.mark.parametrize(
+    ("told", "outcome", "numbers_of", "judged", "passed"),
+    [
+        ("slide", "struck", "slide", True, True),
+        ("slide", "struck", "grip", True, False),  # it says that the ball slides, and lets it grip
+        ("grip", "struck", "grip", False, True),
+        (None, "struck", "grip", False, True),
+        (None, "struck", "slide", True, True),
+        ("slide", "missed", "slide", False, True),
+    ],
+)
+def test_of_a_fragile_scene_another_decision_is_not_wrong(
+    told: str | None, outcome: str, numbers_of: str, judged: bool, passed: bool
+):
+    """A ball that slides by 1e-15 of the friction, or grips; the numbers differ by per cents."""
+    cases = {mode: truth for mode in ("slide", "grip") for truth in golden.load("impact-oblique")
+             if truth.id == f"impact-oblique-{mode}-1e-15"}  # fmt: skip
+    values = values_of(cases[numbers_of].expected)
+    words = {} if told is None else {"impact.mode": told}
+    given = Answer(cases["slide"].id, outcome, values, told=words)
+    found = compare(cases["slide"], given, Converged())
+    assert (found.judged, found.passed) == (judged, passed)
 
 
 def test_json_is_by_the_schema_and_comes_back(few: list[Known]):

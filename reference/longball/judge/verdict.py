@@ -70,7 +70,7 @@ class Comparison:
     case: Case  # what was asked
     answer: Answer | None  # None if there was none
     # True if the case has an outcome that doubles can decide. A fragile case is judged only if the
-    # outcomes agree, and one whose outcome lies within the tolerance unless it was refused.
+    # decisions agree, and one whose outcome lies within the tolerance unless it was refused.
     judged: bool
     measured: tuple[Measured, ...] = ()  # every quantity that both sides have
     # Quantities of the truth, or ``outcome``, that the answer leaves out, optional ones included.
@@ -129,8 +129,6 @@ def compare(case: Case, answer: Answer | None, profile: Profile) -> Comparison:
     truth = case.expected
     # If the outcome is wrong, quantities that are missing are not reported as well.
     wrong = answer.outcome not in (None, truth.outcome)
-    if wrong and FRAGILE in case.flags:
-        return Comparison(case, answer, judged=False)
     # numbers that the truth and the answer have
     expected, given = values_of(truth), answer.values
     measured = [
@@ -168,6 +166,11 @@ def compare(case: Case, answer: Answer | None, profile: Profile) -> Comparison:
         for m in measured
         if not m.passed
     ]
+    # Of a fragile case, another decision is not wrong, such as that the ball slides; nor are the
+    # numbers that follow from it.
+    decided = told_by(truth).items() <= answer.told.items()
+    if FRAGILE in case.flags and (wrong or not decided) and (faults or failed):
+        return Comparison(case, answer, judged=False)
     # The worst come first: a verdict shows only a few faults of each case.
     faults += sorted(failed, key=lambda fault: -fault.excess)
     return Comparison(
