@@ -506,6 +506,8 @@ own("apex.time", "apex.time", S)
 own("apex.position", "apex.position", M, True)
 own("landing.spin", "landing.spin", RATE, True)
 own("landing.distance", "landing.distance", M)
+flown_path = own("flight.path", "the ball's path", M)  # reported as `landing.path`, if at all
+own("landing.path", "landing.path", M)
 fence_time = own("fence.time", "fence.time", S)
 at_fence = own("fence.position", "fence.position", M, True)
 own("fence.velocity", "fence.velocity", SPEED, True)
@@ -1019,7 +1021,7 @@ CHAIN = (
         _STRUCK,
     ),
     Stage(
-        "flight", ("landing.position", "landing.velocity", "landing.spin"), "flight",
+        "flight", ("landing.position", "landing.velocity", "landing.spin", "flight.path"), "flight",
         _batted(flown), _forms,
     ),
     Stage(
@@ -1048,6 +1050,7 @@ CHAIN = (
     _formula("time", "landing.time", _begun + flown),
     _formula("hang time", "landing.hang_time", ended - _begun),
     _formula("distance", "landing.distance", norm(level(landing - _origin))),
+    _formula("path", "landing.path", flown_path),
 )  # fmt: skip
 
 # --- the paper's scheme ---------------------------------------------------------------------------

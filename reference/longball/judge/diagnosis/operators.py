@@ -446,6 +446,33 @@ def _others(site: Site) -> Iterator[Option]:
                 yield a.args[0] * (1.0 / norm(b)), BITS["sibling"] + choice, text, ()
 
 
+def _by_direction(site: Site) -> Iterator[Option]:
+    """Separate the size of a vector from its direction, or a matrix from the vector it turns."""
+    a, said = site.node, words(site.node)
+    if site.flies:
+        return
+    vectors = [b for b in site.pool if b.vector and b.dimension != NONE]
+    sizes = [b for b in site.pool if not b.vector and b.op in ("symbol", "named")]
+    if a.op == "norm":
+        part, cost = a.args[0], BITS["part"] + math.log2(1 + len(vectors))
+        for b in (*vectors, *(axes(x, AXES["(x, y, 0)"], "(x, y, 0)") for x in vectors)):
+            yield dot(part, unit(b)), cost, f"uses the part along {words(b)} for {said}", ()
+    if a.vector and a.dimension != NONE and a.op in ("symbol", "named"):
+        same = [b for b in sizes if b.dimension == a.dimension]
+        for b in same:
+            cost = BITS["part"] + math.log2(1 + len(same))
+            yield b * unit(a), cost, f"gives {said} the size {words(b)}", ()
+        cost = BITS["part"] + BITS["free value"]
+        yield free(a.dimension) * unit(a), cost, f"gives {said} the size {{c}}", (norm(a),)
+    if a.vector and a.op in ("sum", "times"):
+        turned = [node.args[1] for node in ordered([a]) if node.op == "times"]
+        quotients = [x / b for x in turned for b in sizes]
+        quotients = [x for x in quotients if x.dimension == a.dimension]
+        for x in quotients:
+            cost = BITS["sibling"] + math.log2(1 + len(quotients))
+            yield x, cost, f"uses {words(x)} for {said}", ()
+
+
 def in_unit_of(a: Node, b: Node) -> Node:
     """`b` with the unit of `a`: its number in m, kg and s is unchanged."""
     by = [x - y for x, y in zip(a.dimension, b.dimension, strict=True)]
@@ -932,8 +959,8 @@ def _options(site: Site) -> Iterator[Option]:
 
 Operator = Callable[[Site], Iterator[Option]]
 OPERATORS: tuple[Operator, ...] = (
-    _others, _numbers, _factors, _terms, _scales, _products, _scopes, _shapes, _roundings,
-    _siblings, _directions, _components, _states, _options,
+    _others, _by_direction, _numbers, _factors, _terms, _scales, _products, _scopes, _shapes,
+    _roundings, _siblings, _directions, _components, _states, _options,
 )  # fmt: skip
 
 

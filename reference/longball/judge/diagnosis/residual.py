@@ -878,10 +878,11 @@ def begun(data: Data) -> dict[str, Any]:
     return columns
 
 
-# Velocity, spin and path of the ball at the bat. Candidates do not report them. They follow from
-# the pitch, and are unknown where the pitch is wrong.
+# What candidates do not report of a flight, by its stage: velocity, spin and path of the ball at
+# the bat, and its path after that. These follow from the flight, and are unknown where it is wrong.
 _BEFORE = frozenset(str(OWN[f"contact.{part}"].data) for part in ("velocity", "spin", "path"))
-_TO_THE_BAT = "pitch", "touching"
+_FLOWN = frozenset((str(OWN["flight.path"].data),))
+_UNREPORTED = {"pitch": _BEFORE, "touching": _BEFORE, "flight": _FLOWN}
 # The formulas of the collision need a unit vector. A program that divides by R + r_b does not get
 # one if its ball is not on the bat's surface.
 _NORMAL, NOT_ONE = frozenset((str(n.data),)), 1e-6
@@ -929,13 +930,15 @@ def follow(
     """Compute the residuals of all stages in order.
 
     Return the columns and the residuals. The columns have the candidate's values; where it gives
-    none, those that follow from earlier stages. `only` restricts the scenes. Stages that need the
-    ball's velocity at the bat are omitted where the flight to the bat is wrong, and those that need
-    the normal where it is no unit vector.
+    none, those that follow from earlier stages. `only` restricts the scenes. Stages that need what
+    a flight does not report are omitted where the flight is wrong, and those that need the normal
+    where it is no unit vector.
     """
     columns = begun(data)
     found = []
-    lost: dict[frozenset[str], Index] = dict.fromkeys((_BEFORE, _NORMAL), np.zeros(0, dtype=int))
+    lost: dict[frozenset[str], Index] = dict.fromkeys(
+        (_BEFORE, _FLOWN, _NORMAL), np.zeros(0, dtype=int)
+    )
     for stage in chain:
         some = np.flatnonzero(np.isin(columns["kind"], stage.scenes))
         if only is not None:
@@ -945,8 +948,8 @@ def follow(
                 some = np.setdiff1d(some, scenes)
         one, follows = compared(stage, data, columns, some)
         found.append(one)
-        if stage.kind == "flight" and stage.name in _TO_THE_BAT:
-            lost[_BEFORE] = np.union1d(lost[_BEFORE], some[one.wrong])
+        if stage.kind == "flight" and (names := _UNREPORTED.get(stage.name)):
+            lost[names] = np.union1d(lost[names], some[one.wrong])
         if stage.kind == "event":  # an event gives no value, only the distance from its surface
             continue
         for quantity, value in follows.items():
