@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from longball.judge.diagnosis.chain import I, Kind, Stage, v, v0
+from longball.judge.diagnosis.chain import I, Kind, Stage, v, v0, μ
 from longball.judge.diagnosis.expression import (
     Node,
     axes,
@@ -226,6 +226,11 @@ OTHERS: list[tuple[str, Kind, str, Callable[[Any], Any]]] = [
      / size(level(c["launch.velocity"]))),
     ("flight-both", "formula", "landing.distance",
      lambda c: size(level(c["landing.position"])) / 0.3048),
+    ("flight-both", "formula", "landing.distance",
+     lambda c: dot(level(c["landing.position"]), c["landing.velocity"])
+     / size(c["landing.velocity"])),
+    ("at-bat-real", "formula", "landing.path",
+     lambda c: c["landing.path"] + np.nan_to_num(c["the pitch's path"])),
     ("at-bat", "formula", "landing.time", lambda c: c["landing.time"] - c["contact.time"]),
     ("at-bat", "formula", "landing.time",
      lambda c: c["landing.time"] - c["contact.time"] + c["plate.time"]),
@@ -300,6 +305,17 @@ def test_a_mistake_in_the_matrix_of_the_friction_is_named():
     other = matrix("K", substitute(K.args[0], turned, -turned))
     wrong = stage.edited(K, other)
     check(stage, lambda columns: values(wrong, columns), "impact-oblique")
+
+
+def test_a_number_for_a_matrix_is_named():
+    """The energy with P/μ for K P."""
+    chain = right("impact-oblique")[0]
+    (energy,) = (s for s in chain if s.name == "energy")
+    (P,) = (x for x in ordered(energy.roots.values()) if x.data == "P")
+    turned = [x for x in ordered(energy.roots.values()) if x.op == "times" and x.args[1] is P]
+    (sum_of,) = (x for x in ordered(energy.roots.values()) if x.op == "sum" and x.args[0] in turned)
+    wrong = energy.edited(sum_of, P / μ)
+    check(energy, lambda columns: values(wrong, columns), "impact-oblique")
 
 
 @pytest.mark.parametrize("breaks", [False, True])
