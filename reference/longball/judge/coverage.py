@@ -235,8 +235,11 @@ def _effects(stage: Stage, columns: Columns, data: Data) -> _Effects | None:
     rows = []
     for quantity in stage.quantities:
         # Results do not contain the spin at the contact. It equals that after an impact without
-        # friction. The velocity there needs no limit: it is right if the position is.
-        told = {"contact.spin": "impact.spin"}.get(quantity, quantity)
+        # friction. The velocity there needs no limit: it is right if the position is. The path has
+        # a name of its own.
+        told = {"contact.spin": "impact.spin", "flight.path": "landing.path"}.get(
+            quantity, quantity
+        )
         known = np.isfinite(np.atleast_2d(data.expected[told])).all(axis=0)
         errors = np.where(known, data.attainable[told], np.inf)[some]
         size = np.sqrt(np.square(np.atleast_2d(columns[str(OWN[told].data)][..., some])).sum(0))

@@ -224,11 +224,11 @@ class Response:
         return np.asarray(end - straight - self._pushed(self.at.of(self.stage.roots["law"])))
 
     def moved(self, changes: Sequence[Change]) -> Array:
-        """Changes of the state and the spin at the end, one for each of `changes`.
+        """Changes of the state, the spin and the path at the end, one for each of `changes`.
 
-        That of the spin is the change on the undisturbed path.
+        Those of the spin and the path are the changes on the undisturbed path.
         """
-        total = np.zeros((len(changes), 9, len(self._duration)))
+        total = np.zeros((len(changes), 10, len(self._duration)))
         # Formulas are evaluated on the path, at the end, or (by default) at the launch.
         on_path = dict.fromkeys(("rate", "law", "through"), self._on_path)
         places = on_path | {"spin_left": self._left}
@@ -265,6 +265,7 @@ class Response:
                         total[i, :6] += self._with_law(path=path)
                         left = self._spin_left(path=self._left.at.columns["path"] + at_end)[0]
                         total[i, 6:9] += (left - share) * self._spin
+                        total[i, 9] += at_end
                     case "duration":
                         total[i, :6] += self._at_end * change
         return total
