@@ -948,8 +948,9 @@ def follow(
                 some = np.setdiff1d(some, scenes)
         one, follows = compared(stage, data, columns, some)
         found.append(one)
-        if stage.kind == "flight" and (names := _UNREPORTED.get(stage.name)):
-            lost[names] = np.union1d(lost[names], some[one.wrong])
+        if stage.kind == "flight" and stage.name in _UNREPORTED:
+            unknown = _UNREPORTED[stage.name]
+            lost[unknown] = np.union1d(lost[unknown], some[one.wrong])
         if stage.kind == "event":  # an event gives no value, only the distance from its surface
             continue
         for quantity, value in follows.items():
