@@ -93,7 +93,7 @@ BISECTIONS = 11  # steps of bisection that locate a kink: 2⁻¹¹ is a fourth o
 CUTS = 150  # further steps of a controlled flight: an edited law may switch anywhere
 # A ball is stuck if it covers less than PROGRESS of its flight in PATIENCE steps. A kink takes
 # about ten.
-PROGRESS, PATIENCE = 1e-3, 32
+PROGRESS, PATIENCE = 1e-3, 64
 
 Index = NDArray[np.integer[Any]]  # positions of scenes
 

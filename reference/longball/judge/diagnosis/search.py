@@ -195,13 +195,14 @@ class Layer(NamedTuple):
 # Most named edits are in the first layer. The last layer has many more edits: it ranks them along
 # one path only, and tries no pairs.
 EVERY = slice(None)
+CHUNK = 10_000  # edits whose effects are in memory at a time; those of pairs have to be
 ALONE = (
     Layer(slice(2_000), EVERY, 50),
-    Layer(slice(15_000), EVERY, 100, pairs=True),
-    Layer(slice(15_000, 80_000), slice(-1, None), 100),
+    Layer(slice(CHUNK), EVERY, 100, pairs=True),
+    Layer(slice(CHUNK, 80_000), slice(-1, None), 100),
 )
 BESIDE_ANOTHER = (Layer(slice(5_000), EVERY, 50),)
-OF_OPTION = (Layer(slice(10_000), EVERY, 50, pairs=True),)
+OF_OPTION = (Layer(slice(CHUNK), EVERY, 50, pairs=True),)
 HELD = 6  # edits of a layer that are verified in all scenes
 # Edits that are tried with a second one, by the kind of stage. Of a flight there are few, because
 # every trial integrates it.
@@ -490,13 +491,13 @@ class Explanation:
                 break
             found = self._explained_by(likeliest[layer.edits], part.stop, layer, unseen)
             # All flights share one law. A name that does not hold in the others competes with those
-            # of further layers; and so does a number of many digits, which may stand for one of
-            # their formulas.
+            # of further layers; and so does an edit whose number costs more than their edits do.
+            # The edits of the last layer are dear: only a number of many digits may stand for one.
             if isinstance(found, Named):
                 left, bits = self._left_by(found), sum(edit.bits for edit in found.edits)
                 names.append((left, bits, found))
-                last = self.rank(likeliest[part.stop - 1])
-                if left == 0 and (len(found.edits) > 1 or bits <= last + FEW_DIGITS):
+                most = self.rank(likeliest[part.stop - 1]) + (FEW_DIGITS if i > 0 else 0.0)
+                if left == 0 and (len(found.edits) > 1 or bits <= most):
                     return found
                 continue
             # The nearest of all edits counts. Those of several layers may explain the stage
@@ -771,7 +772,7 @@ class Explanation:
         found = [one for one in found if one.left <= HALF * self.null]
         others = [one for one in found if not one.fitted][:HELD]
         found = [one for one in found if one.fitted or one in others]
-        verified = [*self._verified(found, some, needed)]
+        verified = [*self._verified(found, needed)]
         # Rule 1 of docs/truth.md: an edit that needs the noise of steps across a jump counts only
         # if no other edit explains the stage. Rule 3 chooses among edits of the same kind.
         for fit in ("exact", "rough"):
@@ -828,12 +829,10 @@ class Explanation:
         usual = self.noise if math.isfinite(self.noise) else ADEQUATE
         return _noise(after, mends) <= max(ADEQUATE, NOISY * usual)
 
-    def _verified(
-        self, found: Sequence[_Screened], some: Sequence[Edit], needed: float
-    ) -> Iterator[_Verified]:
+    def _verified(self, found: Sequence[_Screened], needed: float) -> Iterator[_Verified]:
         """Compute the first edit of each group of `candidates` in all scenes; yield good ones.
 
-        An edit is good if it saves the bits `needed`; `some` are all edits that were ranked.
+        An edit is good if it saves the bits `needed`.
         """
         for screened, group, is_fitted in found:
             # A group that leaves much is verified only if it is about the best: it may be one of
@@ -848,7 +847,7 @@ class Explanation:
                 # for …". Such an edit is cheaper.
                 place, same = (edit.place, edit.within), _fingerprint(self.edited(edit), self.probe)
                 twins += [
-                    e for e in some if not e.starts and (e.place, e.within) == place
+                    e for e in self.likeliest if not e.starts and (e.place, e.within) == place
                     and _fingerprint(self.edited(e), self.probe) == same
                 ]  # fmt: skip
             else:
@@ -1062,7 +1061,6 @@ ABOUT = 2.0  # times what the best group leaves: groups that are about as good
 RIVAL = 0.2  # largest fraction of the initial cost that a right edit leaves in screening scenes
 SHARED = math.log2(ODDS)  # bits: least evidence that an option is the condition of an edit
 NOISY = 10.0  # times the errors of right scenes: largest ones of scenes that an edit mends
-CHUNK = 10_000  # edits whose effects are in memory at a time
 UNLIKE = 0.8  # fraction of the squared errors that an edit of a flight must not leave
 SHOWS = 0.5  # fraction that the best of the likelier edits may leave if there is a cause at all
 FURTHER = 12  # groups that are still computed after one that explains the screening scenes
