@@ -96,7 +96,7 @@ def test_a_ball_between_two_forces_is_stuck_and_the_others_fly_on():
     found, doubt = residual._flown(balls, times, FINE)
     assert found[2, 1] == pytest.approx(1 + 20 * 0.4 - 20 * 0.4**2, rel=1e-12)
     assert doubt.tolist() == [HUGE, residual.TOTAL]
-    assert len(calls) < 1500  # evaluations of the law: a flight to the ground takes some hundreds
+    assert len(calls) < 2000  # evaluations of the law, of the 3,000 that its steps would allow
 
 
 @pytest.mark.parametrize("level", [5.0, 15.37, 20.9])
