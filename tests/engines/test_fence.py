@@ -53,7 +53,7 @@ def test_the_way_of_a_ball_ends_at_the_wall_and_goes_on_over_the_fence():
 @pytest.mark.parametrize("turned", [0.0, 1.5, -1.5, 3.0])
 @pytest.mark.parametrize("right", [True, False])
 def test_the_end_of_a_fence_is_passed_on_one_side_or_the_other(engine, turned, right):
-    """By 1e-3 of the way, and by less than doubles tell; the enclosure tells all but the end."""
+    """Nearer to the end than doubles resolve, only the enclosure decides; at the end, nobody."""
     cos, sin = math.cos(turned), math.sin(turned)
 
     def at(ahead, left):

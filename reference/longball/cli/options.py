@@ -551,7 +551,7 @@ def _read(row: Row, value: Any) -> Any:
             raise ValueError(f"{value}: must be a {whole}") from None
         limits = {"least": (row.min, number >= row.min), "most": (row.max, number <= row.max)}
         for at, (limit, holds) in limits.items():
-            if math.isfinite(limit) and not holds:  # as of NaN
+            if math.isfinite(limit) and not holds:  # NaN is within no limit
                 raise ValueError(f"{value}: must be at {at} {limit}")
         value = number
     elif form is Path:

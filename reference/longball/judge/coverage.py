@@ -235,8 +235,8 @@ def _effects(stage: Stage, columns: Columns, data: Data) -> _Effects | None:
     rows = []
     for quantity in stage.quantities:
         # Results do not contain the spin at the contact. It equals that after an impact without
-        # friction. The velocity there needs no limit: it is right if the position is. The path has
-        # a name of its own.
+        # friction. The velocity there needs no limit: it is right if the position is. They report
+        # the ball's path as `landing.path`.
         told = {"contact.spin": "impact.spin", "flight.path": "landing.path"}.get(
             quantity, quantity
         )

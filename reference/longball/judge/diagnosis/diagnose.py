@@ -225,7 +225,7 @@ class Reasoned:
 LAST, SPREADS = 1e-7, 10.0
 # A later flight is explained before the first wrong one if it tells more by this factor.
 CLEARER = 2.0
-ENOUGH = WRONG  # wrong scenes that tell as much as any: those of a screening
+ENOUGH = WRONG  # wrong scenes: a screening uses no more
 ROUNDS = 3  # explanations of one stage; each explains the rest of the one before
 
 
@@ -337,7 +337,7 @@ def _explained(
         for kind in (Named, Scheme)
     )
     rest = in_steps or any(_shares_formula(stage, other) for other in edited)
-    if rest and one.beyond.sum() < FEWEST:  # too few scenes to tell a second mistake
+    if rest and one.beyond.sum() < FEWEST:  # too few scenes to identify another mistake
         return [Located()]
     layers, pairs = (ALONE[:2], 0) if rest else (ALONE, PAIRS[stage.kind])
     search = Explanation(chain, stage, data, columns, one, layers, pairs)

@@ -34,6 +34,7 @@ from longball.judge.diagnosis.chain import (
     e_x,
     e_y,
     e_z,
+    level,
     n,
     path,
     r,
@@ -444,33 +445,40 @@ def _others(site: Site) -> Iterator[Option]:
             if b.dimension == a.args[0].dimension and b.op != "unit":
                 text = f"divides {words(a.args[0])} by |{words(b)}|, and not by its own length"
                 yield a.args[0] * (1.0 / norm(b)), BITS["sibling"] + choice, text, ()
+    if a.op == "norm" and not site.flies:
+        along = [b for b in site.pool if b.vector and b.dimension != NONE]
+        cost = BITS["part"] + math.log2(1 + len(along))
+        for b in (*along, *map(level, along)):
+            text = f"uses the part along {words(b)} for {words(a)}"
+            yield dot(a.args[0], unit(b)), cost, text, ()
 
 
-def _by_direction(site: Site) -> Iterator[Option]:
-    """Separate the size of a vector from its direction, or a matrix from the vector it turns."""
+def _sizes(site: Site) -> Iterator[Option]:
+    """Give a vector another size, and keep its direction."""
     a, said = site.node, words(site.node)
-    if site.flies:
+    if not a.vector or a.op not in ("symbol", "named") or a.dimension == NONE or site.flies:
         return
-    vectors = [b for b in site.pool if b.vector and b.dimension != NONE]
-    sizes = [b for b in site.pool if not b.vector and b.op in ("symbol", "named")]
-    if a.op == "norm":
-        part, cost = a.args[0], BITS["part"] + math.log2(1 + len(vectors))
-        for b in (*vectors, *(axes(x, AXES["(x, y, 0)"], "(x, y, 0)") for x in vectors)):
-            yield dot(part, unit(b)), cost, f"uses the part along {words(b)} for {said}", ()
-    if a.vector and a.dimension != NONE and a.op in ("symbol", "named"):
-        same = [b for b in sizes if b.dimension == a.dimension]
-        for b in same:
-            cost = BITS["part"] + math.log2(1 + len(same))
-            yield b * unit(a), cost, f"gives {said} the size {words(b)}", ()
-        cost = BITS["part"] + BITS["free value"]
-        yield free(a.dimension) * unit(a), cost, f"gives {said} the size {{c}}", (norm(a),)
-    if a.vector and a.op in ("sum", "times"):
-        turned = [node.args[1] for node in ordered([a]) if node.op == "times"]
-        quotients = [x / b for x in turned for b in sizes]
-        quotients = [x for x in quotients if x.dimension == a.dimension]
-        for x in quotients:
-            cost = BITS["sibling"] + math.log2(1 + len(quotients))
-            yield x, cost, f"uses {words(x)} for {said}", ()
+    like = [b for b in site.pool if not b.vector and b.op in ("symbol", "named")]
+    same = [b for b in like if b.dimension == a.dimension]
+    for b in same:
+        cost = BITS["part"] + math.log2(1 + len(same))
+        yield b * unit(a), cost, f"gives {said} the size {words(b)}", ()
+    cost = BITS["part"] + BITS["free value"]
+    yield free(a.dimension) * unit(a), cost, f"gives {said} the size {{c}}", (norm(a),)
+
+
+def _quotients(site: Site) -> Iterator[Option]:
+    """Divide a vector by a number where the formula multiplies it by a matrix."""
+    a = site.node
+    if not a.vector or a.op not in ("sum", "times") or site.flies:
+        return
+    turned = [node.args[1] for node in ordered([a]) if node.op == "times"]
+    numbers = [b for b in site.pool if not b.vector and b.op in ("symbol", "named")]
+    quotients = [x / b for x in turned for b in numbers]
+    quotients = [x for x in quotients if x.dimension == a.dimension]
+    for x in quotients:
+        cost = BITS["sibling"] + math.log2(1 + len(quotients))
+        yield x, cost, f"uses {words(x)} for {words(a)}", ()
 
 
 def in_unit_of(a: Node, b: Node) -> Node:
@@ -959,7 +967,7 @@ def _options(site: Site) -> Iterator[Option]:
 
 Operator = Callable[[Site], Iterator[Option]]
 OPERATORS: tuple[Operator, ...] = (
-    _others, _by_direction, _numbers, _factors, _terms, _scales, _products, _scopes, _shapes,
+    _others, _sizes, _quotients, _numbers, _factors, _terms, _scales, _products, _scopes, _shapes,
     _roundings, _siblings, _directions, _components, _states, _options,
 )  # fmt: skip
 

@@ -371,7 +371,7 @@ class Steps:
             if options:
                 r = self.left(options, some)
                 near = (np.nan_to_num(np.abs(r)) <= ADEQUATE).all(axis=0).mean(axis=1)
-                # Errors within the floors agree with every scheme: it has to reduce them.
+                # Every scheme agrees with errors within the floors: the right one reduces them.
                 f = self.followed
                 finer = f.floor[:, some] / f.finest[:, some]
                 left = np.array([cost(r[:, i] * finer) for i in range(len(options))])

@@ -480,7 +480,8 @@ class Explanation:
 
     def explain(self, unseen: Unseen | None = None) -> Named | Located:
         """The likeliest edit that explains the stage in all scenes; or two, if none does."""
-        likeliest = self.likeliest
+        whole = self.whole or self
+        likeliest, rank = whole.likeliest, whole.rank
         parts = [range(len(likeliest))[layer.edits] for layer in self.layers]
         located: list[Located] = []
         names: list[tuple[int, float, Named]] = []  # with the scenes left wrong, and their bits
@@ -492,11 +493,11 @@ class Explanation:
             found = self._explained_by(likeliest[layer.edits], part.stop, layer, unseen)
             # All flights share one law. A name that does not hold in the others competes with those
             # of further layers; and so does an edit whose number costs more than their edits do.
-            # The edits of the last layer are dear: only a number of many digits may stand for one.
+            # The last layer takes longest: it competes only with a number of many digits.
             if isinstance(found, Named):
                 left, bits = self._left_by(found), sum(edit.bits for edit in found.edits)
                 names.append((left, bits, found))
-                most = self.rank(likeliest[part.stop - 1]) + (FEW_DIGITS if i > 0 else 0.0)
+                most = rank(likeliest[part.stop - 1]) + (FEW_DIGITS if i > 0 else 0.0)
                 if left == 0 and (len(found.edits) > 1 or bits <= most):
                     return found
                 continue
@@ -517,8 +518,6 @@ class Explanation:
     @cached_property
     def likeliest(self) -> list[Edit]:
         """The edits of all layers, sorted by `rank`."""
-        if self.whole is not None:
-            return self.whole.likeliest
         wrong = take(self.columns, self.followed.some[self.followed.beyond])
         options = {**wrong, "spin": wrong[self.stage.spins]}
         most, found = max(layer.edits.stop for layer in self.layers), list[Edit]()
@@ -534,8 +533,6 @@ class Explanation:
     @cached_property
     def rank(self) -> Callable[[Edit], float]:
         """The function by which edits are sorted; see `_by_use`."""
-        if self.whole is not None:
-            return self.whole.rank
         columns = take(self.columns, self.followed.some)
         own = {**columns, "spin": columns[self.stage.spins]}
         return _by_use(self.stage, self.followed, own)
@@ -847,7 +844,8 @@ class Explanation:
                 # for …". Such an edit is cheaper.
                 place, same = (edit.place, edit.within), _fingerprint(self.edited(edit), self.probe)
                 twins += [
-                    e for e in self.likeliest if not e.starts and (e.place, e.within) == place
+                    e for e in (self.whole or self).likeliest
+                    if not e.starts and (e.place, e.within) == place
                     and _fingerprint(self.edited(e), self.probe) == same
                 ]  # fmt: skip
             else:
@@ -1062,11 +1060,11 @@ RIVAL = 0.2  # largest fraction of the initial cost that a right edit leaves in 
 SHARED = math.log2(ODDS)  # bits: least evidence that an option is the condition of an edit
 NOISY = 10.0  # times the errors of right scenes: largest ones of scenes that an edit mends
 UNLIKE = 0.8  # fraction of the squared errors that an edit of a flight must not leave
-SHOWS = 0.5  # fraction that the best of the likelier edits may leave if there is a cause at all
+SHOWS = 0.5  # largest fraction of them that the best edit leaves if the errors have a cause
 FURTHER = 12  # groups that are still computed after one that explains the screening scenes
 FEW_EDITS = 20_000  # if fewer cost `LIKELY` bits or less, all are generated
-RIGHT_USES = 2.0  # factor: by how much the right scenes that use a node speak for it
-FEW_DIGITS = NUMBER + 3 * DIGIT  # bits of a number that stands for itself
+RIGHT_USES = 2.0  # weight of the right scenes that use a node, as evidence for the node
+FEW_DIGITS = NUMBER + 3 * DIGIT  # bits: a number that costs more may stand for a formula
 SPREAD = 1e-6  # largest relative uncertainty of a number that later stages may show
 FITTED = 1e-8  # relative error of a free number that is fitted in the screening scenes
 BETTER = 0.8  # a pair must leave less than this fraction of the best single edit's cost
