@@ -13,7 +13,14 @@ import pytest
 from longball.judge.diagnosis import clocks
 from longball.judge.diagnosis.clocks import LONGEST, ON_LATTICE, Scheme, lattice
 from longball.judge.diagnosis.evidence import CHANCE, cost
-from longball.judge.diagnosis.residual import compared, follow, specialised_to, values
+from longball.judge.diagnosis.residual import (
+    LONGEST_FLIGHT,
+    compared,
+    follow,
+    launched,
+    specialised_to,
+    values,
+)  # fmt: skip
 from longball.judge.diagnosis.schemes import ROUND, explain_scheme
 from tests.judge.material import known, truth
 
@@ -49,6 +56,14 @@ def test_steps_are_searched_from_the_shortest_to_the_longest():
         assert lattice(np.unique(times) if step < 0.1 else step * np.arange(2, 12))[0] == (
             pytest.approx(step, rel=1e-6)
         )
+
+
+def test_many_times_that_are_wrong_by_powers_of_ten():
+    """Each has millions of divisions: all of them at once do not fit into memory."""
+    found, _ = lattice(1e4 * 0.01 * np.arange(50, 1500))
+    assert found == pytest.approx(LONGEST)
+    times = np.random.default_rng(4).uniform(1e3, 1e5, 2000)
+    assert lattice(times) is None
 
 
 def rule(behind, told=None):
@@ -120,6 +135,15 @@ def explained(change: Any, kind: str = "flight") -> Scheme | None:
     if found is not None and kind == "flight":  # at most the cost of all errors
         assert 0 < found.evidence <= cost(one.off / one.floor) - found.bits - CHANCE
     return found
+
+
+def test_no_ball_flies_for_hours():
+    """A time in other units, or divided by the step instead of multiplied, is wrong."""
+    chain, data = right()
+    columns, _ = follow(chain, data)
+    (flight,) = (stage for stage in chain if stage.kind == "flight")
+    late = launched(flight, {**columns, "hang_time": np.full(len(data.cases), 1e6)})
+    assert set(late.duration) == {LONGEST_FLIGHT}
 
 
 @pytest.mark.parametrize(("late", "given"), [(0.02, 1.0), (-0.0125, 1.0), (0.02, np.nan)])

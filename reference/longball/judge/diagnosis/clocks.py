@@ -55,6 +55,7 @@ class Scheme:
 
 ON_LATTICE = 1e-4  # of a step: largest distance of a time from a whole number of steps
 FINEST, LONGEST = 1e-4, 0.4  # shortest and longest step that is searched for, s
+MOST_STEPS = 1e6  # in the first times: a reported time may be wrong by a power of ten
 MOST = 0.8  # fraction of the times for which a rule has to hold
 TIMES = 5  # different times that are needed to detect a lattice
 
@@ -69,21 +70,25 @@ def lattice(times: Array, dt: float | None = None) -> tuple[float, float] | None
         return None
     # The step divides a time on the lattice into a whole number of steps: try all divisions of the
     # first three times, since one of these may be off the lattice.
-    steps = [np.array([dt])] if dt else [
-        first / np.arange(math.ceil(first / LONGEST), math.floor(first / FINEST) + 1)
+    tried = np.concatenate([np.array([dt])] if dt else [
+        first / np.arange(math.ceil(first / LONGEST), min(first / FINEST, MOST_STEPS) + 1)
         for first in known[:3]
-    ]  # fmt: skip
-    tried = np.concatenate(steps)
-    on_lattice = np.abs(known[:, None] / tried - np.round(known[:, None] / tried)) < ON_LATTICE
-    fits = np.flatnonzero(on_lattice.mean(axis=0) >= MOST)
-    if not fits.size:
+    ])  # fmt: skip
+    # Nearly all of them fail for nearly every time, so that a few times leave few steps.
+    steps, misses = tried, np.zeros(len(tried), dtype=int)
+    for time in known:
+        counts = time / steps
+        misses += np.abs(counts - np.round(counts)) >= ON_LATTICE
+        possible = (len(known) - misses) / len(known) >= MOST
+        steps, misses = steps[possible], misses[possible]
+    if not steps.size:
         return None
     # By chance, a time lies on a lattice with the probability 2 ON_LATTICE; the time that gave the
     # step always does. A time off the lattice costs 5 bits.
-    best = fits[np.argmax(tried[fits])]
-    on = int(on_lattice[:, best].sum())
-    bits = (on - 1) * -math.log2(2 * ON_LATTICE) - math.log2(len(tried)) - (len(known) - on) * 5.0
-    return float(f"{tried[best]:.9g}"), bits
+    best = np.argmax(steps)
+    on = len(known) - int(misses[best])
+    bits = (on - 1) * -math.log2(2 * ON_LATTICE) - math.log2(len(tried)) - int(misses[best]) * 5.0
+    return float(f"{steps[best]:.9g}"), bits
 
 
 @dataclass(frozen=True)

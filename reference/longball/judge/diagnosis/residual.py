@@ -85,6 +85,7 @@ UNAWARE = Stepping(0.05, 400)
 # Flights are grouped by their number of steps, up to 36, 36², and so on. A batch takes as many
 # steps as its longest flight.
 TOGETHER = 36
+LONGEST_FLIGHT = 120.0  # s: no ball flies longer, whatever time a candidate gives
 CAREFUL, TOTAL = 1e-12, 3e-11  # relative errors of each controlled step, and of the whole flight
 # A step across a kink or a jump is divided at BESIDE of its length before the kink and beyond it,
 # until it is shorter than LEAST of the flight.
@@ -435,7 +436,7 @@ def launched(stage: Stage, columns: Columns) -> Launched:
     count = len(columns["kind"])
     y = np.zeros((7, count))
     y[:3], y[3:6] = place, velocity
-    duration = duration + np.zeros(count)
+    duration = np.clip(duration, -LONGEST_FLIGHT, LONGEST_FLIGHT) + np.zeros(count)
     columns = {
         **columns,
         "r0": y[:3].copy(),
