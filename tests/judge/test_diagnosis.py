@@ -211,6 +211,22 @@ def test_another_form_of_the_normal_is_no_mistake():
     assert not reason(data, chain[at : at + 1]).steps
 
 
+def test_a_number_that_is_reported_wrong_alone_is_wrong_once():
+    """A program may compute the impulse from the velocities, and not from what it reports."""
+    data = truth([case for case in known("impact") if case.scene.bat.friction is None][:40])
+    chain = specialised_to(data)
+
+    def given(columns: dict[str, Any]) -> dict[str, Any]:
+        noise = np.random.default_rng(2).uniform(0.7, 1.3, len(data.cases))
+        return {"contact.normal_speed": columns[OWN["contact.normal_speed"].data] * noise}
+
+    data, columns = material.planted(data, chain, given)
+    (impulse,) = (stage for stage in chain if stage.name == "impulse")
+    assert material.off(impulse, data, columns).beyond.any()
+    (step,) = reason(data, chain).steps
+    assert step.followed.stage.name == "normal speed"
+
+
 @pytest.mark.parametrize("in_all_but_one", [True, False])
 def test_an_edit_may_be_made_in_a_part_of_the_formulas(in_all_but_one: bool):
     """Such as another lever in the bat's mass, but not in the arm of friction; or the reverse."""

@@ -23,6 +23,7 @@ from longball.judge.diagnosis.expression import (
     S,
     component,
     constant,
+    contains,
     cross,
     depends,
     dot,
@@ -863,7 +864,8 @@ class Stage:
     @property
     def pool(self) -> tuple[Node, ...]:
         """Other definitions that people use at the stage; see `OTHERWISE`."""
-        return OTHERWISE.get(self.name, ())
+        straight = self.kind != "flight" and any(contains(x, plate) for x in self.roots.values())
+        return (*OTHERWISE.get(self.name, ()), *(_aimed_at,) * straight)
 
     @property
     def spins(self) -> str:
@@ -871,7 +873,8 @@ class Stage:
         return "spin" if "pitch" in self.scenes or self.name == "touching" else "spin after"
 
 
-_towards = named("aim - release", vector(constant(0.0, M), I["aim_y"], I["aim_z"]) - given_position)
+_aim = vector(constant(0.0, M), I["aim_y"], I["aim_z"])
+_towards = named("aim - release", _aim - given_position)
 
 
 def _released(aimed: Node) -> Node:
@@ -881,6 +884,13 @@ def _released(aimed: Node) -> Node:
 
 _thrown = _released(I["V_0"] * unit(_towards))
 _no_spin = constant(0.0, RATE, True)
+
+# Where the pitch would cross the plate without forces.
+_to_plate = component(given_position, 0) / component(given_velocity, 0)
+_aimed_at = named(
+    "the point aimed at",
+    switch("pitch", {"aimed": _aim, "velocity": given_position - _to_plate * given_velocity}),
+)
 
 # A program may report another spin than it flies with. The law uses `spin_left` itself, so that an
 # edit of this second name changes the reported spin alone.

@@ -24,6 +24,7 @@ from longball.judge.diagnosis.operators import Edit
 from longball.judge.diagnosis.outcomes import outcome_findings
 from longball.judge.diagnosis.outputs import outputs
 from longball.judge.diagnosis.residual import (
+    begun,
     Data,
     Followed,
     Index,
@@ -247,7 +248,7 @@ def reason(
     # largest error, and the number of explanations tried.
     unedited = {stage.key: stage for stage in chain}
     at_first = {one.stage.key: one.some[one.beyond] for one in last}
-    begun = {one.stage.key: _largest(one) for one in last}
+    errors = {one.stage.key: _largest(one) for one in last}
     tried: Counter[tuple[str, Kind]] = Counter()
     while True:
         named = (edit for s in steps if isinstance(s.found, Named) for edit in s.found.edits)
@@ -255,7 +256,7 @@ def reason(
         wrong = [
             (stage, one)
             for stage, one in zip(chain, last, strict=True)
-            if _largest(one) > max(LAST * begun[stage.key], spread)
+            if _largest(one) > max(LAST * errors[stage.key], spread)
             and tried[stage.key] < ROUNDS
             and not (stage.name in data.rough and _is_left(one, at_first[stage.key]))
         ]
@@ -267,7 +268,7 @@ def reason(
         stage, one = _clearest(wrong)
         at = stage.key
         tried[at] += 1
-        begun[at] = max(begun[at], _largest(one))
+        errors[at] = max(errors[at], _largest(one))
         # If no edit explains the law on the way to the fence, none will on the way to the ground.
         if any(_is_same_flight(stage, s.followed.stage) for s in steps if not s.is_applied):
             tried[at] = ROUNDS
@@ -283,6 +284,13 @@ def reason(
             Step(one, cause)
             for cause in _explained(chain, stage, data, columns, one, steps, dt, unseen)
         ]
+        # An edit that leaves right numbers right is no mistake, but a form whose numbers differ only
+        # because those before them are wrong.
+        edits = found[0].found.edits if isinstance(found[0].found, Named) else ()
+        if edits and _is_another_form(edits, unedited[at], data, one):
+            chain, data = _with_edits(edits, chain, data)
+            columns, last = follow(chain, data)
+            continue
         for step in found:
             if isinstance(step.found, Named):
                 chain, data = _with_edits(step.found.edits, chain, data)
@@ -387,6 +395,24 @@ def _other_forms(stage: Stage) -> Iterator[Stage]:
     """
     for form in stage.forms.get("value", ()):
         yield replace(stage, roots={"value": form})
+
+
+def _is_another_form(
+    edits: Iterable[Edit], stage: Stage, data: Data, followed: Followed
+) -> bool:
+    """True if a formula with edits is right for right inputs, in the scenes that are wrong."""
+    if stage.kind == "flight":
+        return False
+    edited = stage
+    for edit in edits:
+        (edited,) = edit.apply([edited])
+    right, some = replace(data, given=data.expected, cut={}, slips=None), followed.beyond
+    before, after = (
+        compared(one, right, begun(right), followed.some[some])[0] for one in (stage, edited)
+    )
+    # A scene whose outcome is wrong too has inputs of the candidate.
+    known = before.checked & ~before.beyond
+    return bool(known.any() and not after.beyond[known].any())
 
 
 def _edited_in_part(stage: Stage, unedited: Stage, steps: Sequence[Step]) -> Iterator[Stage]:
