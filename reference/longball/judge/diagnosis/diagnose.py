@@ -24,10 +24,10 @@ from longball.judge.diagnosis.operators import Edit
 from longball.judge.diagnosis.outcomes import outcome_findings
 from longball.judge.diagnosis.outputs import outputs
 from longball.judge.diagnosis.residual import (
-    begun,
     Data,
     Followed,
     Index,
+    begun,
     compared,
     data_of,
     follow,
@@ -284,8 +284,8 @@ def reason(
             Step(one, cause)
             for cause in _explained(chain, stage, data, columns, one, steps, dt, unseen)
         ]
-        # An edit that leaves right numbers right is no mistake, but a form whose numbers differ only
-        # because those before them are wrong.
+        # An edit that leaves right numbers right is no mistake. It is a form whose numbers differ
+        # only because those before them are wrong.
         edits = found[0].found.edits if isinstance(found[0].found, Named) else ()
         if edits and _is_another_form(edits, unedited[at], data, one):
             chain, data = _with_edits(edits, chain, data)
@@ -397,9 +397,7 @@ def _other_forms(stage: Stage) -> Iterator[Stage]:
         yield replace(stage, roots={"value": form})
 
 
-def _is_another_form(
-    edits: Iterable[Edit], stage: Stage, data: Data, followed: Followed
-) -> bool:
+def _is_another_form(edits: Iterable[Edit], stage: Stage, data: Data, followed: Followed) -> bool:
     """True if a formula with edits is right for right inputs, in the scenes that are wrong."""
     if stage.kind == "flight":
         return False
