@@ -36,7 +36,10 @@ from longball.judge.diagnosis.expression import (
     where,
 )
 from longball.judge.diagnosis.operators import AXES, FACTORS, FREE, Edit, Site, edits, free
+from longball.judge.diagnosis.residual import follow, specialised_to
+from longball.judge.diagnosis.search import defaults
 from longball.judge.fresh import DENSITIES, GRAVITIES
+from tests.judge.material import known, truth
 
 x, y, z = symbol("x"), symbol("y"), symbol("z")
 p, q, later = symbol("p", M), symbol("q", M), symbol("later", S)
@@ -621,3 +624,15 @@ def test_launches_and_pools():
     assert not {n, operators.OWN["impact.restitution"]} & sizes  # of length 1, and a number
     assert -operators.e_y in operators.pool_of(CHAIN, flights[0], {})
     assert x.dimension == NONE
+
+
+@pytest.mark.parametrize("family", ["defaults-flight", "defaults-pitch"])
+def test_a_vector_is_replaced_by_a_vector(family: str):
+    """Also where a scene leaves a vector out, such as that of the wind."""
+    data = truth([*known(family), *known("flight-wind")[:4]])
+    chain = specialised_to(data)
+    columns, _ = follow(chain, data)
+    for stage in chain:
+        own = {**columns, "spin": columns[stage.spins]}
+        for edit in edits(chain, stage, defaults(), own) if stage.kind == "flight" else ():
+            assert edit.new.vector == edit.place.vector, edit.words

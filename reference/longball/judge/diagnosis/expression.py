@@ -216,6 +216,7 @@ def where(condition: Node, yes: Node, no: Node) -> Node:
 def switch(key: str, options: Mapping[str, Node]) -> Node:
     """One of several values, chosen by each scene's option of a key."""
     first = next(iter(options.values()))
+    assert all(option.vector == first.vector for option in options.values()), key
     data = key, tuple(options)
     return _node("switch", tuple(options.values()), data, first.dimension, first.vector)
 

@@ -430,7 +430,7 @@ def _others(site: Site) -> Iterator[Option]:
         vectors = (x for x in site.pool if x.vector and x.op in ("symbol", "named"))
         parts = [component(x, i) for x in vectors for i in range(3)]
         cost = BITS["other"] + choice + bits
-        like_parts = [x for x in parts if x.dimension == a.dimension]
+        like_parts = [x for x in parts if x.dimension == a.dimension and not a.vector]
         for b in (*same, *like_parts) if cost <= site.room else ():
             by, text = where_key(options, a, site.where_known(b)), f"uses {words(b)} for {words(a)}"
             yield by, cost, f"{text} {where_omitted}", ()
@@ -516,7 +516,7 @@ def _numbers(site: Site) -> Iterator[Option]:
         yield constant(usual, a.dimension), BITS["default"], text, ()
     # A wrong default shows only in scenes that omit the key. The search begins on both sides of the
     # right value, where the edit has an effect.
-    for options, where_omitted, bits in site.omissions():
+    for options, where_omitted, bits in site.omissions() if not a.vector else ():
         chosen = where_key(options, a, free(a.dimension))
         text = f"uses {{c}} for {said} {where_omitted}"
         starts = tuple(x * a for x in (0.9, 0.2, 3.0, 10.0))
