@@ -240,7 +240,7 @@ def throw(run: Run) -> Pitch:
     # the release, with the velocity given or towards the point aimed at
     x, y, z = place = run.vector(pitch.release)
     if pitch.velocity is None:
-        aim_y, aim_z = (numbers.exact(value) for value in pitch.aim)
+        aim_y, aim_z = map(numbers.exact, pitch.aim)
         toward = (-x, aim_y - y, aim_z - z)
         scale = numbers.exact(pitch.speed) / numbers.sqrt(dot(toward, toward))
         velocity = (toward[0] * scale, toward[1] * scale, toward[2] * scale)

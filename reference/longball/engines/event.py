@@ -279,22 +279,24 @@ def first_met(
             for event in events:
                 errors[event.name] = max(errors[event.name], event.slope * rounded)
 
-        # the first fall of each value on this piece
-        met = []
+        # the first fall of each value on this piece, and the first of these
+        first: Met | None = None
         for event in events:
             curve, off = piece.curve(event.value), errors[event.name]
             t = first_fall(curve, end, off, event.question, numbers, launch=number == 0)
-            if t is not None:
-                where = piece
-                # A value below zero from the start fell on an earlier piece, where it was within
-                # its error of zero.
-                if numbers.rounding and number > 0 and not t > 0:
-                    where, t = _fallen(seen, event, numbers)
-                met.append(Met(event, where.begin + t, event.place(where.at(t))))
-        if met:
+            if t is None:
+                continue
+            where = piece
+            # A value below zero from the start fell on an earlier piece, where it was within its
+            # error of zero.
+            if numbers.rounding and number > 0 and not t > 0:
+                where, t = _fallen(seen, event, numbers)
+            met = Met(event, where.begin + t, event.place(where.at(t)))
+            if first is None or met.time < first.time:
+                first = met
+        if first is not None:
             # At the first event all other values are still positive, by more than their errors. At
             # a launch they are exact, and the event that is listed first wins.
-            first = min(met, key=lambda each: each.time)
             for other in events:
                 if other is not first.event and not first.time <= 0:
                     question = f"whether {first.event.question} before {other.question}"
@@ -421,9 +423,8 @@ def margin_error(bat: BatSection, plate_height: N, flight_error: float, numbers:
       and of the distance itself: two half ulps of `reach`.
     """
     # The distance to the closest approach, and a height, each by the larger of two bounds.
-    offset, bat_height, ball_height = (
-        abs(value) for value in (bat.height - plate_height, bat.height, plate_height)
-    )
+    offset = abs(bat.height - plate_height)
+    bat_height, ball_height = abs(bat.height), abs(plate_height)
     distance = numbers.where(offset > bat.reach, offset, bat.reach)
     height = numbers.where(bat_height > ball_height, bat_height, ball_height)
     rounding = numbers.rounding * (8 * height + 4 * abs(bat.frame.x) + 2 * bat.reach)

@@ -169,7 +169,13 @@ class Ivp(PathEngine):
         limit: float,
     ) -> Touch:
         """Fly the pitch again, to the bat, whose height is known only now. See `Engine.touch`."""
-        path = self.path(law, pitch.path.at(0.0), limit, [*events, *meeting(bat)])
+        # If the ball enters and leaves the bat within a step, only the closest approach changes its
+        # sign from one end of the step to the other.
+        reach = bat.reach
+        contact = Event("contact", "the ball touches the bat", bat.outside, reach * reach)
+        question = "the ball is closest to the bat"
+        closest = Event("closest approach", question, lambda state: -bat.approach(state), reach)
+        path = self.path(law, pitch.path.at(0.0), limit, [*events, contact, closest])
         return super().touch(replace(pitch, path=path), law, bat, events, limit)
 
     def search_pieces(
@@ -238,18 +244,6 @@ def terminal(
     falls.__name__ = name
     falls.terminal, falls.direction = True, -1  # type: ignore[attr-defined]
     return falls
-
-
-def meeting(bat: BatSection) -> Iterator[Event]:
-    """Yield the events of a pitch at a bat: the contact, and the closest approach as its guard.
-
-    If a ball enters and leaves the bat within a step, only the closest approach changes its sign
-    from one end of the step to the other.
-    """
-    reach, size = bat.reach, bat.reach * bat.reach
-    yield Event("contact", "the ball touches the bat", bat.outside, size)
-    question = "the ball is closest to the bat"
-    yield Event("closest approach", question, lambda state: -bat.approach(state), reach)
 
 
 def _pieces(law: Law, solution: Any) -> Iterator[PolynomialPiece]:

@@ -39,7 +39,7 @@ def moment_of_inertia(bat: Bat, reading: Reading, numbers: Numbers) -> N:
 
     About its end B (or as the reading slips); of a free bat, about its centre.
     """
-    mass, length, radius = (numbers.exact(v) for v in (bat.mass, bat.length, bat.radius))
+    mass, length, radius = map(numbers.exact, (bat.mass, bat.length, bat.radius))
     if bat.support == "free":
         # About the centre, across the axis: M L²/12, and M r_b²/4 of the thickness.
         slender = mass * length * length / 12

@@ -103,14 +103,10 @@ class Doubles(Numbers):
     pi = math.pi
     rounding = 2.0**-53  # half an ulp of 1, relative
     sqrt = staticmethod(math.sqrt)  # correctly rounded; every evaluation of a force calls it
-    report = float
+    exact = report = float
     functions: Mapping[str, Callable[..., float]] = MappingProxyType(
         {"sqrt": math.sqrt, "exp": math.exp, "log": math.log, "unit": ratio}
     )
-
-    def exact(self, value: float) -> float:
-        """Return the double itself."""
-        return value
 
     def cos_sin(self, angle: float) -> tuple[float, float]:
         """Return cosine and sine of an angle in radians."""
