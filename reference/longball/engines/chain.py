@@ -455,7 +455,7 @@ def meet(
     across, above = offset
     distance = numbers.sqrt(across * across + above * above)
     normal = (across / distance, numbers.exact(0.0), above / distance)
-    arm = bats.lever_arm(position[1], bat, numbers)
+    arm = half - position[1]  # r̃, from the pivot at y = L/2
     moving = bats.bat_velocity(arm, run.scene.swing, numbers)
     normal_speed = dot(minus(velocity, moving), normal)
     # Ṽ = V - V_b (paper, Sec. III.C). Six operations lead from the velocities to its normal part,

@@ -15,11 +15,6 @@ from longball.model.readings import Reading
 from longball.model.scene import Ball, Bat, Rotation
 
 
-def lever_arm(y: N, bat: Bat, numbers: Numbers) -> N:
-    """Return r̃, m: the distance from B to the foot of the perpendicular from the ball."""
-    return numbers.exact(bat.length) / 2 - y
-
-
 def bat_rotation(swing: Rotation, numbers: Numbers) -> Vector:
     """Return ω' = ω(-sin θ, 0, cos θ), rad/s."""
     cos, sin = numbers.cos_sin(numbers.exact(swing.tilt))
