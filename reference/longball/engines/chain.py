@@ -45,11 +45,10 @@ from longball.model import impact as formulas
 from longball.model import result as written
 from longball.model.frame import Frame, launch_frame
 from longball.model.law import Force, Law, State, in_plane, law_of
-from longball.model.numbers import N, Numbers, Undecided, Vector
+from longball.model.numbers import N, Numbers, Undecided, Vector, dot, minus
 from longball.model.quantities import replaced, viewed
 from longball.model.result import Outcome, Result
 from longball.model.scene import AtBatScene, InvalidScene, Scene, landing_height
-from longball.model.vectors import dot, minus
 
 # --- the run of a chain ---------------------------------------------------------------------------
 

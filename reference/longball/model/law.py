@@ -36,9 +36,18 @@ from longball.model.atmosphere import (
     wind_strengths,
 )
 from longball.model.block import Block
-from longball.model.numbers import N, Numbers, Vector, present
+from longball.model.numbers import (
+    N,
+    Numbers,
+    Vector,
+    cross,
+    minus,
+    part_across,
+    plus,
+    present,
+    scaled,
+)
 from longball.model.trace import ZERO, Node, Program
-from longball.model.vectors import cross, minus, norm, part_across, plus, scaled
 
 
 class PlaneState(NamedTuple):
@@ -129,7 +138,7 @@ def acceleration(p: Strengths, motion: Motion) -> Vector:
     total = plus(total, scaled(motion.density * magnus, lift.across))
     # ê is along the component of a fixed unit vector d across u, ``d - (d·u) u/U²``, of the size
     # |d × u|/U. So U² ê = (U² d - (d·u) u) U/|d × u|.
-    sine = norm(_aside(p, lift))
+    sine = _norm(_aside(p, lift))
     if p.side is not ZERO and sine is not ZERO:
         direction = p.side_s, p.side_y, p.side_z
         whole = part_across(direction, lift.velocity, lift.speed * lift.speed)
@@ -181,7 +190,7 @@ def _flow(p: Strengths, velocity: Vector, left: Any, spin: Vector, size: Any) ->
     """Return the motion through the air, from the spin at launch and its remaining fraction."""
     speed, across = _size(p, velocity), cross(spin, velocity)
     # |ω × u|: the root is shared by drag and lift.
-    turning = norm(across)  # ω_T U
+    turning = _norm(across)  # ω_T U
     # ω_T, ω_T U, and numerator and denominator of ω_T/U: for the whole spin, and for the transverse
     # one.
     whole = size, size * speed, size, speed
@@ -198,7 +207,14 @@ def _size(p: Strengths, velocity: Vector) -> Any:
     """Return the size of a velocity; for a vertical one, without a root."""
     # Vertical flights turn round at w = 0, where √(w²) has no derivative, but ±w has.
     moving = [component for component in velocity if component is not ZERO]
-    return p.sense * moving[0] if len(moving) == 1 else norm(velocity)
+    return p.sense * moving[0] if len(moving) == 1 else _norm(velocity)
+
+
+def _norm(a: Vector) -> Node:
+    """Return ``|a|`` of a vector of nodes, in the form that `trace.squares` recognises."""
+    # A sum of squares under a root has bounded derivatives; see `trace.derivative`.
+    squared = trace.total(trace.square(x) for x in a if x is not ZERO)
+    return squared if squared is ZERO else trace.sqrt(squared)
 
 
 # --- tracing --------------------------------------------------------------------------------------
@@ -327,7 +343,7 @@ def _traced(shape: Shape, names: tuple[str, ...], moving: str) -> _Traced:
     aside = _aside(p, motion.lift)
     if p.side is not ZERO:
         # The sine of the angle between d and u, squared: the force has no direction at 0.
-        size, speed = norm(aside), motion.lift.speed
+        size, speed = _norm(aside), motion.lift.speed
         passed["side"] = size * size, speed * speed
     # Equations of the auxiliary variables: y' = y x' for y = exp x, and y' = e^-y x' for y = log x.
     # The form x'/x of the latter has a singularity, which errors of x could reach.

@@ -33,10 +33,10 @@ from longball.model.csv_files import not_utf8
 from longball.model.explain import explain, is_vector, parts_of, short
 from longball.model.jsonl import LONGEST_LINE, json_line
 from longball.model.names import did_you_mean, one_of
+from longball.model.numbers import cross, plus, scaled
 from longball.model.plain import json_text, plain
 from longball.model.readings import Reading
 from longball.model.result import ErrorCode, Result
-from longball.model.vectors import cross, plus, scaled
 
 
 class InvalidScene(ValueError):
