@@ -125,17 +125,22 @@ class Ivp(PathEngine):
         time, state = begin, np.array(start, dtype=float)
         taken = 0
         while time < limit:
+            # the rest of the flight, if it is uniform motion
             if taken > 0 and (uniform := _uniform(law, time, state, limit)):
                 yield uniform
                 return
             if not taylor and not np.isfinite(rates(time, state)).all():
                 raise OutOfRange(_BEYOND)
+
+            # the events that end the integration
             # If two terminal events occur in one step, solve_ivp reports the first of the list.
             # `events` lists the ground first; reversed, any other event is reported instead.
             ends = [terminal(event.name, event.value, law.state) for event in reversed(events)]
             # `terminal` asks once for each time, and so once for each step.
             countdown = partial(lambda left, _: next(left), count(_MANY_STEPS, -1))
             ends.append(terminal("many steps", countdown, law.state))
+
+            # the integration
             # A trial step may overflow; the step control then takes a shorter one or gives up.
             with np.errstate(all="ignore"):
                 solution = scipy.integrate.solve_ivp(
@@ -147,6 +152,8 @@ class Ivp(PathEngine):
                     events=ends,
                     **({"law": law, "until": ends} if taylor else self.tolerances),
                 )
+
+            # its steps, as polynomials
             for piece in _pieces(law, solution):
                 taken += 1
                 if taken > _MOST_STEPS:
