@@ -393,14 +393,11 @@ class BatSection:
         size = numbers.sqrt(numbers.where(better, squared, self.reach))
         return across, numbers.where(better, numbers.where(above > 0, size, -size), above)
 
-    def outside(self, state: Any) -> Any:
-        """Return ``d² - reach²``, m², of a state or of polynomials: positive outside the bat."""
-        return self.beyond(self.reach, state)
-
-    def beyond(self, distance: N, state: Any) -> Any:
-        """Return ``d² - distance²``, m²: positive beyond that distance from the bat's axis."""
+    def outside(self, state: Any, reach: N | None = None) -> Any:
+        """Return ``d² - reach²``, m², of a state or of polynomials; `reach` is that of contact."""
         across, above = self.frame.towards_x(state), state.z - self.height
-        return across * across + above * above - distance * distance
+        reach = self.reach if reach is None else reach
+        return across * across + above * above - reach * reach
 
     def approach(self, state: State) -> N:
         """Return d·v, m²/s, half the rate of `outside`: negative while the ball comes closer."""

@@ -296,7 +296,7 @@ class PathEngine(Engine, ABC):
             over = not until < left
             end = left if over else until
             curve = piece.curve(bat.outside)
-            far = curve if near is bat.reach else piece.curve(partial(bat.beyond, near))
+            far = curve if near is bat.reach else piece.curve(partial(bat.outside, reach=near))
             turns = []
             if far(since) > 0 and far.positive(since, end):
                 pending = None
