@@ -29,7 +29,7 @@ import scipy.integrate
 
 from longball.engines.engine import OutOfRange, TooLong, Touch
 from longball.engines.event import BatSection, Event, Events, Piece
-from longball.engines.path import Flight
+from longball.engines.path import Flight, Path
 from longball.engines.path_engine import PathEngine
 from longball.engines.polynomial import PolynomialPiece
 from longball.engines.taylor import Expander, Series, Taylor, right_hand_side
@@ -182,8 +182,8 @@ class Ivp(PathEngine):
         contact = Event("contact", "the ball touches the bat", bat.outside, reach * reach)
         question = "the ball is closest to the bat"
         closest = Event("closest approach", question, lambda state: -bat.approach(state), reach)
-        path = self.path(law, pitch.path.at(0.0), limit, [*events, contact, closest])
-        return super().touch(replace(pitch, path=path), law, bat, events, limit)
+        pieces = self.pieces(law, pitch.path.at(0.0), limit, [*events, contact, closest])
+        return super().touch(replace(pitch, path=Path(pieces)), law, bat, events, limit)
 
     def search_pieces(
         self, pitch: Flight, law: Law, bat: BatSection

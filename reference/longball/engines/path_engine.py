@@ -47,12 +47,10 @@ class PathEngine(Engine, ABC):
         ends at one of the `events`; an engine that integrates ahead may pause there.
         """
 
-    def path(self, law: Law, start: State, limit: N, events: Events = ()) -> Path:
-        """Return the flight from a launch, up to a time."""
-        return Path(self._pieces(law, start, limit, events))
+    def pieces(self, law: Law, start: State, limit: N, events: Events = ()) -> Iterator[Piece]:
+        """Yield the pieces of a flight from a launch, up to a time.
 
-    def _pieces(self, law: Law, start: State, limit: N, events: Events) -> Iterator[Piece]:
-        """Yield the pieces of a flight; one ends wherever the law switches to another branch.
+        One ends wherever the law switches to another branch; for `events` see `steps`.
 
         Raises `Undecided` if a flight only touches such a place, within its error; `TooLong` if it
         has more pieces than can be searched for such places within seconds.
@@ -229,7 +227,7 @@ class PathEngine(Engine, ABC):
 
     def fly(self, law: Law, start: State, events: Events, limit: N) -> Flight:
         """Fly until the first of several events; see `Engine.fly`."""
-        path = self.path(law, start, limit, events)
+        path = Path(self.pieces(law, start, limit, events))
         met = first_met(path.pieces(), events, limit, self.flight_error, self.numbers)
         if met is None:
             return Flight(path, "time", limit, path.at(limit))
