@@ -32,7 +32,7 @@ from longball.engines.event import BatSection, Event, Events, Piece
 from longball.engines.path import Flight, Path
 from longball.engines.path_engine import PathEngine
 from longball.engines.polynomial import PolynomialPiece
-from longball.engines.taylor import Expander, Series, Taylor, right_hand_side
+from longball.engines.taylor import Series, Taylor, expand, right_hand_side
 from longball.model.arrays import Array
 from longball.model.law import Law, State
 from longball.model.numbers import DOUBLES
@@ -201,7 +201,7 @@ class Ivp(PathEngine):
             for piece in pitch.path.pieces():
                 yield piece, 0.0, piece.length, error
             return
-        series, length = Expander(law)(np.array(pitch.state, dtype=float))
+        series, length = expand(law, np.array(pitch.state, dtype=float))
         if not length > 0:
             raise OutOfRange(_BEYOND)
         centred = PolynomialPiece(pitch.time, length, law.state, series)
@@ -260,7 +260,6 @@ def _pieces(law: Law, solution: Any) -> Iterator[PolynomialPiece]:
     have interpolants of low order, which are replaced by the Taylor series at the beginning of the
     step. A step that is longer than its series converges is split.
     """
-    expand = Expander(law)
     for state, step in zip(solution.y.T, solution.sol.interpolants, strict=False):
         time, end = float(step.t_old), float(step.t)
         if isinstance(step, Series):
@@ -268,7 +267,7 @@ def _pieces(law: Law, solution: Any) -> Iterator[PolynomialPiece]:
                 yield PolynomialPiece(begin, _length(begin, until), law.state, series)
             continue
         while time < end:
-            series, reach = expand(state)
+            series, reach = expand(law, state)
             if not reach > 0:
                 raise OutOfRange(_BEYOND)
             until = min(time + reach, end)
