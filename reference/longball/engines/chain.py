@@ -93,12 +93,6 @@ class Run:
         positive = rows and self.numbers.positive(x, error, question)
         return positive, rows and not positive
 
-    def touched(self, touch: Touch, rows: Mask) -> tuple[Mask, Mask]:
-        """Return the rows in which ball and bat touch, and in which they miss; see `decide`."""
-        if touch.touched is None:
-            raise Undecided(touch.doubt)
-        return touch.touched, not touch.touched
-
     # --- flights ---------------------------------------------------------------------------------
 
     def fly(self, law: Law, start: State, events: Events, limit: N, rows: Mask) -> Flight:
@@ -312,7 +306,8 @@ def meet_bat(run: Run) -> ContactState | None:
         return None
     numbers, pitch, touch = run.numbers, approach.pitch, approach.touch
     run.record("contact.margin", touch.margin, pitch.crossed)
-    touched, missed = run.touched(touch, pitch.crossed)
+    touched, missed = pitch.crossed & (touch.touched == 1), pitch.crossed & (touch.touched == 0)
+    run.refuse(Undecided(touch.doubt), pitch.crossed & ((touched | missed) ^ True))
     run.conclude("missed", missed)
     if not run.any(touched):
         return None
