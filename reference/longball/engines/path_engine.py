@@ -284,9 +284,10 @@ class PathEngine(Engine, ABC):
         at_plate = bat.distance(pitch.state, numbers)
         near = at_plate if at_plate > bat.reach else bat.reach
 
-        # The approaches, each with the state at its end and the error of the margin there. One that
-        # ends with its piece is `pending`: the next piece shows whether the distance continues to
-        # fall, or has turned.
+        # the approaches, with the largest margin of all
+        # Of each, the state at its end, and the error of the margin there. One that ends with its
+        # piece is `pending`: the next piece shows whether the distance continues to fall, or has
+        # turned.
         closest = -gap
         pending: tuple[State, N] | None = None
         for piece, since, until, off in self.search_pieces(pitch, law, bat):
