@@ -105,9 +105,21 @@ class Path:
             raise ValueError(
                 f"t = {outside[0]} s is outside the path, from {self.start} s to {self.end} s"
             )
+        states = []
         with self._numbers.arithmetic():
             # One by one: engines of many digits have no arrays.
-            states = [self._state(t) for t in times.ravel().tolist()]
+            for t in times.ravel().tolist():
+                exact, end = self._numbers.exact(t), self._trajectory.end
+                # The end may lie between two doubles, and so may the beginning of a flight.
+                if t == self.end and exact > end:
+                    exact = end
+                # At the contact two legs meet. The later one counts, with the velocity after the
+                # impulse.
+                for leg in self._trajectory.legs:
+                    if t == self._double(leg.begin):
+                        exact = leg.begin
+                (row,) = self._trajectory.sample([exact])
+                states.append([*map(self._double, row)])
         numbers = np.array(states).reshape(*times.shape, 6)
         return State(times[()], numbers[..., :3], numbers[..., 3:])
 
@@ -171,19 +183,6 @@ class Path:
         # To scale: an angle of launch is the angle that is seen.
         axes.set_aspect("equal", adjustable="datalim")
         return axes
-
-    def _state(self, time: float) -> list[float]:
-        exact = self._numbers.exact(time)
-        end = self._trajectory.end
-        # The end may lie between two doubles, and so may the beginning of a flight.
-        if time == self.end and exact > end:
-            exact = end
-        # At the contact two legs meet. The later one counts, with the velocity after the impulse.
-        for leg in self._trajectory.legs:
-            if time == self._double(leg.begin):
-                exact = leg.begin
-        (row,) = self._trajectory.sample([exact])
-        return [self._double(x) for x in row]
 
     def _double(self, x: Any) -> float:
         return float(self._numbers.report(x))

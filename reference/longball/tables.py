@@ -200,7 +200,14 @@ def _asked_and_results(
     paths: int | None = None,
 ) -> Iterator[tuple[Scene | InvalidScene, dict[str, Any]]]:
     """Yield scenes, or why they are none, with their results as plain data."""
-    asked = [*map(_as_scene_or_error, written)]
+    asked: list[Scene | InvalidScene] = []
+    for one in written:
+        try:
+            asked.append(as_scene(one))
+        except InvalidScene as error:
+            asked.append(error)
+        except TypeError as error:  # in a list, or in a cell
+            asked.append(InvalidScene(str(error)))
     valid = [scene for scene in asked if not isinstance(scene, InvalidScene)]
     if paths is not None:
         results = (chain.solve_with_points(scene, solver, paths).data() for scene in valid)
@@ -210,15 +217,6 @@ def _asked_and_results(
         results = (result.data() for result in chain.solve_each(valid, solver, workers))
     for scene in asked:
         yield scene, refused(scene).data() if isinstance(scene, InvalidScene) else next(results)
-
-
-def _as_scene_or_error(written: object) -> Scene | InvalidScene:
-    try:
-        return as_scene(written)
-    except InvalidScene as error:
-        return error
-    except TypeError as error:  # in a list, or in a cell
-        return InvalidScene(str(error))
 
 
 # --- columns --------------------------------------------------------------------------------------

@@ -5,21 +5,10 @@ import math
 import pytest
 from hypothesis import given
 
-from longball.model.bat import (
-    bat_velocity,
-    lever_arm,
-)
+from longball.model.bat import bat_velocity
 from longball.model.numbers import DOUBLES
-from longball.model.scene import Bat, Rotation
+from longball.model.scene import Rotation
 from tests.scenes import between
-
-BAT = Bat()
-
-
-def test_the_lever_is_the_distance_from_the_end_at_plus_y():
-    assert lever_arm(0.0, BAT, DOUBLES) == 0.5
-    assert lever_arm(0.5, BAT, DOUBLES) == 0.0
-    assert lever_arm(-0.25, Bat(length=0.9), DOUBLES) == pytest.approx(0.7)
 
 
 @given(between(0, 1), between(-50, 50), between(-1.5, 1.5))

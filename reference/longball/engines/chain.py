@@ -11,6 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
+from functools import partial
 from typing import Any, get_args
 
 from pydantic import ValidationError
@@ -44,11 +45,10 @@ from longball.model import impact as formulas
 from longball.model import result as written
 from longball.model.frame import Frame, launch_frame
 from longball.model.law import Force, Law, State, in_plane, law_of
-from longball.model.numbers import N, Numbers, Undecided, Vector
+from longball.model.numbers import N, Numbers, Undecided, Vector, dot, minus
 from longball.model.quantities import replaced, viewed
 from longball.model.result import Outcome, Result
 from longball.model.scene import AtBatScene, InvalidScene, Scene, landing_height
-from longball.model.vectors import dot, minus
 
 # --- the run of a chain ---------------------------------------------------------------------------
 
@@ -92,12 +92,6 @@ class Run:
         """
         positive = rows and self.numbers.positive(x, error, question)
         return positive, rows and not positive
-
-    def touched(self, touch: Touch, rows: Mask) -> tuple[Mask, Mask]:
-        """Return the rows in which ball and bat touch, and in which they miss; see `decide`."""
-        if touch.touched is None:
-            raise Undecided(touch.doubt)
-        return touch.touched, not touch.touched
 
     # --- flights ---------------------------------------------------------------------------------
 
@@ -239,7 +233,7 @@ def throw(run: Run) -> Pitch:
     # the release, with the velocity given or towards the point aimed at
     x, y, z = place = run.vector(pitch.release)
     if pitch.velocity is None:
-        aim_y, aim_z = (numbers.exact(value) for value in pitch.aim)
+        aim_y, aim_z = map(numbers.exact, pitch.aim)
         toward = (-x, aim_y - y, aim_z - z)
         scale = numbers.exact(pitch.speed) / numbers.sqrt(dot(toward, toward))
         velocity = (toward[0] * scale, toward[1] * scale, toward[2] * scale)
@@ -312,7 +306,8 @@ def meet_bat(run: Run) -> ContactState | None:
         return None
     numbers, pitch, touch = run.numbers, approach.pitch, approach.touch
     run.record("contact.margin", touch.margin, pitch.crossed)
-    touched, missed = run.touched(touch, pitch.crossed)
+    touched, missed = pitch.crossed & (touch.touched == 1), pitch.crossed & (touch.touched == 0)
+    run.refuse(Undecided(touch.doubt), pitch.crossed & ((touched | missed) ^ True))
     run.conclude("missed", missed)
     if not run.any(touched):
         return None
@@ -454,7 +449,7 @@ def meet(
     across, above = offset
     distance = numbers.sqrt(across * across + above * above)
     normal = (across / distance, numbers.exact(0.0), above / distance)
-    arm = bats.lever_arm(position[1], bat, numbers)
+    arm = half - position[1]  # r̃, from the pivot at y = L/2
     moving = bats.bat_velocity(arm, run.scene.swing, numbers)
     normal_speed = dot(minus(velocity, moving), normal)
     # Ṽ = V - V_b (paper, Sec. III.C). Six operations lead from the velocities to its normal part,
@@ -692,48 +687,46 @@ def land(run: Run, launch: Launch, outcome: Outcome, rows: Mask) -> None:
     Without a fence the ball comes down. With one, a flight in its plane meets one place of the
     fence, known beforehand; a flight in space, or in steps, is searched for the crossing.
     """
-    frame, start = launch_frame(launch.position, launch.velocity, run.numbers, launch.spin)
+    numbers, limit = run.numbers, run.time_limit
+    frame, start = launch_frame(launch.position, launch.velocity, numbers, launch.spin)
     law = run.law(frame)
     ball = Batted(launch, frame, law, start)
+
+    # landed before it was free, or with a fence
     if launch.landed:
-        down = Flight(Path(()), "ground", run.numbers.exact(0.0), law.state_of(start))
+        down = Flight(Path(()), "ground", numbers.exact(0.0), law.state_of(start))
         _come_down(run, ball, down, outcome, rows)
-    elif run.scene.fence is None:
-        # A pitch has not touched the ground, so that a batted ball starts above it.
-        if hasattr(run.scene, "launch"):
-            rows = _land_from_below(run, ball, outcome, rows)
-        if run.any(rows):
-            _come_down(run, ball, _fly_down(run, ball, start, run.time_limit, rows), outcome, rows)
-    elif "v" not in law.variables and not isinstance(run.engine, Stepped):
-        _cross_fence_in_plane(run, ball, outcome, rows)
-    elif not run.leave(rows):  # only paths can be searched
-        _cross_fence_in_space(run, ball, outcome, rows)
+        return
+    if run.scene.fence is not None:
+        if "v" not in law.variables and not isinstance(run.engine, Stepped):
+            _cross_fence_in_plane(run, ball, outcome, rows)
+        elif not run.leave(rows):  # only paths can be searched
+            _cross_fence_in_space(run, ball, outcome, rows)
+        return
+
+    # from below the ground
+    # A ball that is hit to an upper deck is such a ball: `ground.height` is above its launch. It
+    # lands when it falls through that height, and so has to rise through it first. A pitch has not
+    # touched the ground, so that a batted ball starts above it.
+    if hasattr(run.scene, "launch"):
+        height = landing_height(run.scene, numbers.exact)
+        rise = height - start.z
+        under, rows = run.decide(rise, rise * 0, "whether the ball starts below the ground", rows)
+        if run.any(under):
+            up = fly(run, law, start, lambda at: [risen(height, at, numbers)], limit, under)
+            turned = under & up.stopped("risen")
+            if run.any(turned):
+                up = up.then(_fly_down(run, ball, up.state, limit - up.time, turned))
+            _come_down(run, ball, up, outcome, under)
+
+    # from above it
+    if run.any(rows):
+        _come_down(run, ball, _fly_down(run, ball, start, limit, rows), outcome, rows)
 
 
 def _fly_down(run: Run, ball: Batted, start: State, limit: N, rows: Mask) -> Flight:
     """Fly to the ground."""
     return fly(run, ball.law, start, lambda state: [run.ground(state)], limit, rows)
-
-
-def _land_from_below(run: Run, ball: Batted, outcome: Outcome, rows: Mask) -> Mask:
-    """Land the balls that are launched below the ground; return the other rows.
-
-    A ball that is hit to an upper deck is such a ball: `ground.height` is above its launch. It
-    lands when it falls through that height, and so has to rise through it first.
-    """
-    height, limit = landing_height(run.scene, run.numbers.exact), run.time_limit
-    rise = height - ball.start.z
-    under, others = run.decide(rise, rise * 0, "whether the ball starts below the ground", rows)
-    if run.any(under):
-        flight = fly(
-            run, ball.law, ball.start, lambda at: [risen(height, at, run.numbers)], limit, under
-        )
-        turned = under & flight.stopped("risen")
-        if run.any(turned):
-            down = _fly_down(run, ball, flight.state, limit - flight.time, turned)
-            flight = flight.then(down)
-        _come_down(run, ball, flight, outcome, under)
-    return others
 
 
 def _come_down(
@@ -987,10 +980,10 @@ def solve(scene: Scene, engine: Engine | ManyAtOnce, model: Model = MODEL) -> Re
     return result
 
 
-def solve_once(scene: Scene, engine: Engine) -> Result:
-    """Return the result of a scene by this engine, without a check of its digits."""
-    result: Result = _follow(Run(scene, engine, MODEL), CHAINS[scene.kind])
-    return result
+def solve_once(scene: Scene, engine: Engine, model: Model = MODEL) -> tuple[Result, Trajectory]:
+    """Return result and path of a scene by this engine, without a check of its digits."""
+    run = Run(scene, engine, model)
+    return _follow(run, CHAINS[scene.kind]), Trajectory(tuple(run.legs))
 
 
 # Least number of scenes for processes. Starting these takes one or two seconds, as long as a
@@ -1019,13 +1012,10 @@ def solve_with_path(
     if isinstance(engine, ManyAtOnce):
         _, path = solve_with_path(scene, engine.alone)
         return solve(scene, engine), path
-
-    def flown(one: Engine) -> tuple[Result, Trajectory]:
-        run = Run(scene, one, model)
-        return _follow(run, CHAINS[scene.kind]), Trajectory(tuple(run.legs))
-
     # Only of numbers that carry their own error is it known how many digits are right.
-    return flown(engine) if engine.numbers.rounding else to_digits(scene, engine, flown)
+    if engine.numbers.rounding:
+        return solve_once(scene, engine, model)
+    return to_digits(scene, engine, partial(solve_once, scene, model=model))
 
 
 def solve_with_points(scene: Scene, engine: Engine | ManyAtOnce, points: int) -> Result:
@@ -1092,42 +1082,37 @@ def approach_of(scene: AtBatScene, engine: Engine) -> BatEncounter | None:
 
 def _follow(run: Run, chain: Callable[[Run], Any]) -> Any:
     """Go through a chain; return the result, or what the chain returns if it is not concluded."""
+    report, by = run.numbers.report, {"id": run.scene.id, "engine": run.engine.description}
+    error: InvalidScene | Undecided | CannotSolve | None = None
     with run.numbers.arithmetic():
         try:
+            # the chain
             try:
                 rest = chain(run)
-            except (InvalidScene, Undecided, CannotSolve) as error:
-                return _result(run, error)
-            return _result(run) if "outcome" in run.answer else rest
+                if "outcome" not in run.answer:
+                    return rest
+            except (InvalidScene, Undecided, CannotSolve) as reason:
+                error = reason
+
+            # the quantities that it has recorded, in blocks
+            blocks: dict[str, Any] = {}
+            for name, value in run.answer.items():
+                *outer, key = name.split(".")
+                block = blocks
+                for step in outer:
+                    block = block.setdefault(step, {})
+                if isinstance(value, tuple):
+                    value = tuple(map(report, value))
+                elif not isinstance(value, str | int):
+                    value = report(value)
+                block[key] = value
+            if error is None:
+                return Result(**by, **blocks)
+            blocks.pop("outcome", None)
+            return Result(**by, **blocks, error=str(error), code=error.code)
         # Overflow, a division by zero, or a result that pydantic refuses: no finite answer. What
         # was recorded is dropped, as it may have the numbers at fault.
-        except (ArithmeticError, ValueError) as error:
-            what = "a quantity is not finite" if isinstance(error, ValidationError) else str(error)
-            reason = OutOfRange(f"the numbers leave the range of the engine: {what}")
-            return _result(replace(run, answer={}), reason)
-
-
-def _result(run: Run, error: InvalidScene | Undecided | CannotSolve | None = None) -> Result:
-    """Build the result from the recorded quantities, or from the error."""
-
-    def reported(value: Any) -> Any:
-        if isinstance(value, tuple):
-            return tuple(map(run.numbers.report, value))
-        return value if isinstance(value, str | int) else run.numbers.report(value)
-
-    blocks: dict[str, Any] = {}
-    for name, value in run.answer.items():
-        *outer, key = name.split(".")
-        block = blocks
-        for step in outer:
-            block = block.setdefault(step, {})
-        block[key] = reported(value)
-    outcome = blocks.pop("outcome", None)
-    return Result(
-        id=run.scene.id,
-        engine=run.engine.description,
-        outcome=None if error else outcome,
-        error=None if error is None else str(error),
-        code=None if error is None else error.code,
-        **blocks,
-    )
+        except (ArithmeticError, ValueError) as fault:
+            what = "a quantity is not finite" if isinstance(fault, ValidationError) else str(fault)
+            beyond = OutOfRange(f"the numbers leave the range of the engine: {what}")
+            return Result(**by, error=str(beyond), code=beyond.code)

@@ -39,7 +39,8 @@ class Touch:
     """Contact of a pitch with the bat, or the miss."""
 
     margin: N  # m; `reach` minus the closest distance of the undisturbed pitch
-    touched: bool | None  # None if the margin is too small for a decision
+    # None if the margin is too small for a decision; of columns: 1 for a contact, 0 for a miss, -1
+    touched: bool | None
     # Time, s since release, and state of the first contact; None without one.
     time: N | None = None
     state: State | None = None

@@ -279,22 +279,24 @@ def first_met(
             for event in events:
                 errors[event.name] = max(errors[event.name], event.slope * rounded)
 
-        # the first fall of each value on this piece
-        met = []
+        # the first fall of each value on this piece, and the first of these
+        first: Met | None = None
         for event in events:
             curve, off = piece.curve(event.value), errors[event.name]
             t = first_fall(curve, end, off, event.question, numbers, launch=number == 0)
-            if t is not None:
-                where = piece
-                # A value below zero from the start fell on an earlier piece, where it was within
-                # its error of zero.
-                if numbers.rounding and number > 0 and not t > 0:
-                    where, t = _fallen(seen, event, numbers)
-                met.append(Met(event, where.begin + t, event.place(where.at(t))))
-        if met:
+            if t is None:
+                continue
+            where = piece
+            # A value below zero from the start fell on an earlier piece, where it was within its
+            # error of zero.
+            if numbers.rounding and number > 0 and not t > 0:
+                where, t = _fallen(seen, event, numbers)
+            met = Met(event, where.begin + t, event.place(where.at(t)))
+            if first is None or met.time < first.time:
+                first = met
+        if first is not None:
             # At the first event all other values are still positive, by more than their errors. At
             # a launch they are exact, and the event that is listed first wins.
-            first = min(met, key=lambda each: each.time)
             for other in events:
                 if other is not first.event and not first.time <= 0:
                     question = f"whether {first.event.question} before {other.question}"
@@ -391,14 +393,11 @@ class BatSection:
         size = numbers.sqrt(numbers.where(better, squared, self.reach))
         return across, numbers.where(better, numbers.where(above > 0, size, -size), above)
 
-    def outside(self, state: Any) -> Any:
-        """Return ``d² - reach²``, m², of a state or of polynomials: positive outside the bat."""
-        return self.beyond(self.reach, state)
-
-    def beyond(self, distance: N, state: Any) -> Any:
-        """Return ``d² - distance²``, m²: positive beyond that distance from the bat's axis."""
+    def outside(self, state: Any, reach: N | None = None) -> Any:
+        """Return ``d² - reach²``, m², of a state or of polynomials; `reach` is that of contact."""
         across, above = self.frame.towards_x(state), state.z - self.height
-        return across * across + above * above - distance * distance
+        reach = self.reach if reach is None else reach
+        return across * across + above * above - reach * reach
 
     def approach(self, state: State) -> N:
         """Return d·v, m²/s, half the rate of `outside`: negative while the ball comes closer."""
@@ -421,9 +420,8 @@ def margin_error(bat: BatSection, plate_height: N, flight_error: float, numbers:
       and of the distance itself: two half ulps of `reach`.
     """
     # The distance to the closest approach, and a height, each by the larger of two bounds.
-    offset, bat_height, ball_height = (
-        abs(value) for value in (bat.height - plate_height, bat.height, plate_height)
-    )
+    offset = abs(bat.height - plate_height)
+    bat_height, ball_height = abs(bat.height), abs(plate_height)
     distance = numbers.where(offset > bat.reach, offset, bat.reach)
     height = numbers.where(bat_height > ball_height, bat_height, ball_height)
     rounding = numbers.rounding * (8 * height + 4 * abs(bat.frame.x) + 2 * bat.reach)

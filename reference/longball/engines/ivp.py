@@ -29,10 +29,10 @@ import scipy.integrate
 
 from longball.engines.engine import OutOfRange, TooLong, Touch
 from longball.engines.event import BatSection, Event, Events, Piece
-from longball.engines.path import Flight
+from longball.engines.path import Flight, Path
 from longball.engines.path_engine import PathEngine
 from longball.engines.polynomial import PolynomialPiece
-from longball.engines.taylor import Expander, Series, Taylor, right_hand_side
+from longball.engines.taylor import Series, Taylor, expand, right_hand_side
 from longball.model.arrays import Array
 from longball.model.law import Law, State
 from longball.model.numbers import DOUBLES
@@ -125,17 +125,22 @@ class Ivp(PathEngine):
         time, state = begin, np.array(start, dtype=float)
         taken = 0
         while time < limit:
+            # the rest of the flight, if it is uniform motion
             if taken > 0 and (uniform := _uniform(law, time, state, limit)):
                 yield uniform
                 return
             if not taylor and not np.isfinite(rates(time, state)).all():
                 raise OutOfRange(_BEYOND)
+
+            # the events that end the integration
             # If two terminal events occur in one step, solve_ivp reports the first of the list.
             # `events` lists the ground first; reversed, any other event is reported instead.
             ends = [terminal(event.name, event.value, law.state) for event in reversed(events)]
             # `terminal` asks once for each time, and so once for each step.
             countdown = partial(lambda left, _: next(left), count(_MANY_STEPS, -1))
             ends.append(terminal("many steps", countdown, law.state))
+
+            # the integration
             # A trial step may overflow; the step control then takes a shorter one or gives up.
             with np.errstate(all="ignore"):
                 solution = scipy.integrate.solve_ivp(
@@ -147,6 +152,8 @@ class Ivp(PathEngine):
                     events=ends,
                     **({"law": law, "until": ends} if taylor else self.tolerances),
                 )
+
+            # its steps, as polynomials
             for piece in _pieces(law, solution):
                 taken += 1
                 if taken > _MOST_STEPS:
@@ -169,8 +176,14 @@ class Ivp(PathEngine):
         limit: float,
     ) -> Touch:
         """Fly the pitch again, to the bat, whose height is known only now. See `Engine.touch`."""
-        path = self.path(law, pitch.path.at(0.0), limit, [*events, *meeting(bat)])
-        return super().touch(replace(pitch, path=path), law, bat, events, limit)
+        # If the ball enters and leaves the bat within a step, only the closest approach changes its
+        # sign from one end of the step to the other.
+        reach = bat.reach
+        contact = Event("contact", "the ball touches the bat", bat.outside, reach * reach)
+        question = "the ball is closest to the bat"
+        closest = Event("closest approach", question, lambda state: -bat.approach(state), reach)
+        pieces = self.pieces(law, pitch.path.at(0.0), limit, [*events, contact, closest])
+        return super().touch(replace(pitch, path=Path(pieces)), law, bat, events, limit)
 
     def search_pieces(
         self, pitch: Flight, law: Law, bat: BatSection
@@ -188,7 +201,7 @@ class Ivp(PathEngine):
             for piece in pitch.path.pieces():
                 yield piece, 0.0, piece.length, error
             return
-        series, length = Expander(law)(np.array(pitch.state, dtype=float))
+        series, length = expand(law, np.array(pitch.state, dtype=float))
         if not length > 0:
             raise OutOfRange(_BEYOND)
         centred = PolynomialPiece(pitch.time, length, law.state, series)
@@ -240,18 +253,6 @@ def terminal(
     return falls
 
 
-def meeting(bat: BatSection) -> Iterator[Event]:
-    """Yield the events of a pitch at a bat: the contact, and the closest approach as its guard.
-
-    If a ball enters and leaves the bat within a step, only the closest approach changes its sign
-    from one end of the step to the other.
-    """
-    reach, size = bat.reach, bat.reach * bat.reach
-    yield Event("contact", "the ball touches the bat", bat.outside, size)
-    question = "the ball is closest to the bat"
-    yield Event("closest approach", question, lambda state: -bat.approach(state), reach)
-
-
 def _pieces(law: Law, solution: Any) -> Iterator[PolynomialPiece]:
     """Yield the steps of solve_ivp as polynomials.
 
@@ -259,7 +260,6 @@ def _pieces(law: Law, solution: Any) -> Iterator[PolynomialPiece]:
     have interpolants of low order, which are replaced by the Taylor series at the beginning of the
     step. A step that is longer than its series converges is split.
     """
-    expand = Expander(law)
     for state, step in zip(solution.y.T, solution.sol.interpolants, strict=False):
         time, end = float(step.t_old), float(step.t)
         if isinstance(step, Series):
@@ -267,7 +267,7 @@ def _pieces(law: Law, solution: Any) -> Iterator[PolynomialPiece]:
                 yield PolynomialPiece(begin, _length(begin, until), law.state, series)
             continue
         while time < end:
-            series, reach = expand(state)
+            series, reach = expand(law, state)
             if not reach > 0:
                 raise OutOfRange(_BEYOND)
             until = min(time + reach, end)

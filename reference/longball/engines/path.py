@@ -84,7 +84,7 @@ class Flight:
             over = not piece.length < left
             end = left if over else piece.length
             # Most pieces only climb or only sink, which is cheaper to see than where they turn.
-            steady = any(curve.positive(start, end) for curve in (climb, sink))
+            steady = climb.positive(start, end) or sink.positive(start, end)
             turns = [] if steady else [start, *climb.turns(start, end), end]
             for a, b in pairwise(turns):
                 if climb(a) > 0 and not climb(b) > 0:

@@ -47,12 +47,10 @@ class PathEngine(Engine, ABC):
         ends at one of the `events`; an engine that integrates ahead may pause there.
         """
 
-    def path(self, law: Law, start: State, limit: N, events: Events = ()) -> Path:
-        """Return the flight from a launch, up to a time."""
-        return Path(self._pieces(law, start, limit, events))
+    def pieces(self, law: Law, start: State, limit: N, events: Events = ()) -> Iterator[Piece]:
+        """Yield the pieces of a flight from a launch, up to a time.
 
-    def _pieces(self, law: Law, start: State, limit: N, events: Events) -> Iterator[Piece]:
-        """Yield the pieces of a flight; one ends wherever the law switches to another branch.
+        One ends wherever the law switches to another branch; for `events` see `steps`.
 
         Raises `Undecided` if a flight only touches such a place, within its error; `TooLong` if it
         has more pieces than can be searched for such places within seconds.
@@ -229,7 +227,7 @@ class PathEngine(Engine, ABC):
 
     def fly(self, law: Law, start: State, events: Events, limit: N) -> Flight:
         """Fly until the first of several events; see `Engine.fly`."""
-        path = self.path(law, start, limit, events)
+        path = Path(self.pieces(law, start, limit, events))
         met = first_met(path.pieces(), events, limit, self.flight_error, self.numbers)
         if met is None:
             return Flight(path, "time", limit, path.at(limit))
@@ -277,22 +275,6 @@ class PathEngine(Engine, ABC):
         if not gap > error and bat.approach(launch) < 0:
             touching = numbers.exact(0.0), launch
 
-        closest = -gap
-
-        def met_at(state: State, off: N, settled: bool) -> Touch | None:
-            """Decide the contact at the end of an approach, if the distance has a minimum there."""
-            nonlocal closest
-            margin = bat.reach - bat.least_distance(state, numbers)
-            if margin > closest:
-                closest = margin
-            elif not margin <= closest:  # of two numbers with radii neither may be the larger
-                closest = (margin + closest + abs(margin - closest)) / 2
-            if settled and not abs(margin) > error + off:
-                return Touch(margin, None, doubt=doubt(margin, error + off, TOUCHES, numbers))
-            if settled and margin > error and touching is not None:
-                return Touch(margin, True, *touching)
-            return None
-
         # the end of the search: behind the bat, on the ground, vertical, or the time limit
         ends = [past(bat.frame, bat.reach, numbers), *events]
         met = first_met(pitch.path.pieces(), ends, limit, self.flight_error, numbers)
@@ -302,33 +284,46 @@ class PathEngine(Engine, ABC):
         at_plate = bat.distance(pitch.state, numbers)
         near = at_plate if at_plate > bat.reach else bat.reach
 
-        # `pending` is an approach that ends with its piece: the next piece shows whether the
-        # distance continues to fall there, or has turned.
+        # the approaches, with the largest margin of all
+        # Of each, the state at its end, and the error of the margin there. One that ends with its
+        # piece is `pending`: the next piece shows whether the distance continues to fall, or has
+        # turned.
+        closest = -gap
         pending: tuple[State, N] | None = None
         for piece, since, until, off in self.search_pieces(pitch, law, bat):
             left = search_end - piece.begin
             over = not until < left
             end = left if over else until
             curve = piece.curve(bat.outside)
-            far = curve if near is bat.reach else piece.curve(partial(bat.beyond, near))
+            far = curve if near is bat.reach else piece.curve(partial(bat.outside, reach=near))
             turns = []
             if far(since) > 0 and far.positive(since, end):
                 pending = None
             else:
                 turns = [since, *curve.turns(since, end), end]
             for a, b in pairwise(turns):
-                touch = None
                 if not curve(b) >= curve(a):  # it falls, or may fall by interval arithmetic
                     if touching is None and curve(b) < 0:
                         t = zero_of(curve, a, b, TOUCHES, numbers)
                         touching = piece.begin + t, piece.at(t)
-                    settled = b is not end or over
-                    state = piece.at(b)
-                    touch, pending = met_at(state, off, settled), None if settled else (state, off)
-                elif pending is not None:
-                    touch, pending = met_at(*pending, True), None  # it turned where pieces join
-                if touch is not None:
-                    return touch
+                    approach, turned = (piece.at(b), error + off), b is not end or over
+                    pending = None if turned else approach
+                elif pending is not None:  # it turned where pieces join
+                    approach, turned, pending = pending, True, None
+                else:
+                    continue
+
+                # the margin, which decides the contact where the distance has turned
+                nearest, slack = approach
+                margin = bat.reach - bat.least_distance(nearest, numbers)
+                if margin > closest:
+                    closest = margin
+                elif not margin <= closest:  # of two numbers with radii neither may be the larger
+                    closest = (margin + closest + abs(margin - closest)) / 2
+                if turned and not abs(margin) > slack:
+                    return Touch(margin, None, doubt=doubt(margin, slack, TOUCHES, numbers))
+                if turned and margin > error and touching is not None:
+                    return Touch(margin, True, *touching)
             if over:
                 break
         if met is not None and met.event.name == "vertical":

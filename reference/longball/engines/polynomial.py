@@ -117,13 +117,11 @@ def advanced(x: Array, h: float, low: Array) -> tuple[Array, Array]:
     return end, rounding
 
 
+@dataclass(eq=False, slots=True)
 class Polynomial(Arithmetic):
     """A polynomial in doubles, for the formulas of events: + - * with another or with a number."""
 
-    __slots__ = ("coefficients",)
-
-    def __init__(self, coefficients: Array) -> None:
-        self.coefficients = coefficients  # of t^0, t^1, …
+    coefficients: Array  # of t^0, t^1, …
 
     def __add__(self, other: Polynomial | float) -> Polynomial:
         if not isinstance(other, Polynomial):

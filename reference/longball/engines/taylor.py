@@ -128,7 +128,7 @@ class Taylor(OdeSolver):  # type: ignore[misc]
             warnings.warn(f"Taylor does not take {', '.join(extraneous)}", stacklevel=3)
         super().__init__(fun, t0, y0, t_bound, vectorized)
         self.direction = float(self.direction)
-        self._expand = Expander(law, order, rtol)
+        self._law, self._order, self._rtol = law, order, rtol
         self._max_step, self._until = max_step, until
         self._low = np.zeros(self.n)
 
@@ -137,7 +137,7 @@ class Taylor(OdeSolver):  # type: ignore[misc]
         after = [event(self.t, self.y) for event in self._until]
         waited, short = 0.0, 0
         while short < _MOST_SHORT_STEPS:
-            x, length = self._expand(self.y)
+            x, length = expand(self._law, self.y, self._order, self._rtol)
             if not length > 0:  # the next step fails, too, if this one has a series
                 return bool(self._parts), "the rates are beyond the range of double precision"
             length = min(length, self._max_step)
@@ -198,43 +198,38 @@ class Series(DenseOutput):  # type: ignore[misc]
 # --- a step ---------------------------------------------------------------------------------------
 
 
-class Expander:
-    """Expand states into series of a law; `rtol` of the last terms decides how far they reach."""
+def expand(
+    law: Law, state: Array, order: int = ORDER, rtol: float = TRUNCATION
+) -> tuple[Array, float]:
+    """Expand a state into a series of a law.
 
-    def __init__(self, law: Law, order: int = ORDER, rtol: float = TRUNCATION) -> None:
-        self._program, self._series = law.program, recurrence(law.program)
-        self._strengths = [law.strengths[name] for name in law.program.parameters]
-        self._order, self._rtol = order, rtol
-
-    def __call__(self, state: Array) -> tuple[Array, float]:
-        """Return the coefficients of the components of the state, and their reach, s.
-
-        The reach is NaN if numbers exceed the range of doubles.
-        """
-        code, order = _printed(self._program, at_rest=False), self._order
-        x, length = self._expand(code, order, state)
-        # From rest, the recurrence of a root divides by V_0 = 0: take the other one.
-        rows = self._series.rows
-        if not length > 0 and any(x[rows.index(root)][0] == 0 for root in self._series.roots):
-            code = _printed(self._program, at_rest=True)
-            x, length = self._expand(code, order, state)
-            if all(row[1] == 0 for row in x[: len(state)]):
-                return np.column_stack([state, np.zeros(len(state))]), math.inf  # nothing moves
-        # Close to rest coefficients grow like the powers of 1/V, and the last may be too large.
-        while not length > 0 and order > 4:
-            order //= 2
-            x, length = self._expand(code, order, state)
-        return np.asarray(x[: len(state)]), length
-
-    def _expand(self, code: Code, order: int, state: Array) -> tuple[Rows, float]:
-        run = code.count()
-        x: Rows = np.zeros((len(self._series.rows), order + 2))
+    Return the coefficients of the components of the state, and how far they reach, s, which `rtol`
+    of the last terms decides. The reach is NaN if numbers exceed the range of doubles.
+    """
+    series, at_rest = recurrence(law.program), False
+    strengths = [law.strengths[name] for name in law.program.parameters]
+    while True:
+        run = _printed(law.program, at_rest).count()
+        x: Rows = np.zeros((len(series.rows), order + 2))
         x[: len(state), 0] = state
         x = run.taken(x)
         try:
-            return x, run.step(x, order, self._rtol, *self._strengths)
+            length: float = run.step(x, order, rtol, *strengths)
         except BEYOND:
-            return x, math.nan
+            length = math.nan
+        if at_rest and all(row[1] == 0 for row in x[: len(state)]):
+            return np.column_stack([state, np.zeros(len(state))]), math.inf  # nothing moves
+        if length > 0:
+            break
+        # From rest, the recurrence of a root divides by V_0 = 0: take the other one. Close to rest
+        # coefficients grow like the powers of 1/V, and the last may be too large: take fewer.
+        if not at_rest and any(x[series.rows.index(root)][0] == 0 for root in series.roots):
+            at_rest = True
+        elif order > 4:
+            order //= 2
+        else:
+            break
+    return np.asarray(x[: len(state)]), length
 
 
 # A series takes 0.1 to 1 ms as it is; numba takes half a second to load, and seconds to compile.

@@ -53,7 +53,7 @@ def prove(scene: Scene) -> Result:
     """
     # Radii grow along the flight. More working digits make them smaller; more steps do not.
     for digits in WORK:
-        result = solve_once(scene, Enclosure(digits))
+        result, _ = solve_once(scene, Enclosure(digits))
         if result.error is None and not missed_in(scene, result, DIGITS):
             break
     return replaced(result, {n: shortened(number, DIGITS) for n, number in numbers_of(result)})

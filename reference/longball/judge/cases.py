@@ -152,9 +152,9 @@ def _touches_within_errors(scene: FlightScene) -> bool:
     frame = replace(frame, spin=scene.launch.spin)
     law, floor = law_of(scene, frame, DOUBLES), landing_height(scene)
     way = abs(start.z) + abs(floor)
-    path = Ivp().path(law, law.state_of(start), scene.time_limit)
+    pieces = Ivp().pieces(law, law.state_of(start), scene.time_limit)
     try:
-        for piece in islice(path.pieces(), MOST_PIECES):
+        for piece in islice(pieces, MOST_PIECES):
             heights = piece.curve(lambda state: state.z - floor)
             state = piece.at(0.0)
             for t in heights.turns(0.0, piece.length):

@@ -10,9 +10,8 @@ from __future__ import annotations
 from typing import Any
 
 from longball.model import trace
-from longball.model.numbers import N, Numbers, Vector, present
+from longball.model.numbers import N, Numbers, Vector, present, scaled
 from longball.model.trace import ZERO
-from longball.model.vectors import scaled
 
 # --- density --------------------------------------------------------------------------------------
 

@@ -15,11 +15,6 @@ from longball.model.readings import Reading
 from longball.model.scene import Ball, Bat, Rotation
 
 
-def lever_arm(y: N, bat: Bat, numbers: Numbers) -> N:
-    """Return r̃, m: the distance from B to the foot of the perpendicular from the ball."""
-    return numbers.exact(bat.length) / 2 - y
-
-
 def bat_rotation(swing: Rotation, numbers: Numbers) -> Vector:
     """Return ω' = ω(-sin θ, 0, cos θ), rad/s."""
     cos, sin = numbers.cos_sin(numbers.exact(swing.tilt))
@@ -39,7 +34,7 @@ def moment_of_inertia(bat: Bat, reading: Reading, numbers: Numbers) -> N:
 
     About its end B (or as the reading slips); of a free bat, about its centre.
     """
-    mass, length, radius = (numbers.exact(v) for v in (bat.mass, bat.length, bat.radius))
+    mass, length, radius = map(numbers.exact, (bat.mass, bat.length, bat.radius))
     if bat.support == "free":
         # About the centre, across the axis: M L²/12, and M r_b²/4 of the thickness.
         slender = mass * length * length / 12

@@ -14,11 +14,10 @@ from typing import Any
 from pydantic import ValidationError
 
 from longball.model.names import one_of
-from longball.model.numbers import DOUBLES, N, Numbers, Vector
+from longball.model.numbers import DOUBLES, N, Numbers, Vector, dot, plus, scaled
 from longball.model.plain import is_number
 from longball.model.quantities import number, numbers, replaced
 from longball.model.scene import FlightScene, Scene
-from longball.model.vectors import dot, plus, scaled
 
 # A value of zero means that the force is absent from the equations, so it is not an input.
 _ABSENT_AT_ZERO = (

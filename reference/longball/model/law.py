@@ -36,9 +36,18 @@ from longball.model.atmosphere import (
     wind_strengths,
 )
 from longball.model.block import Block
-from longball.model.numbers import N, Numbers, Vector, present
+from longball.model.numbers import (
+    N,
+    Numbers,
+    Vector,
+    cross,
+    minus,
+    part_across,
+    plus,
+    present,
+    scaled,
+)
 from longball.model.trace import ZERO, Node, Program
-from longball.model.vectors import cross, minus, norm, part_across, plus, scaled
 
 
 class PlaneState(NamedTuple):
@@ -129,7 +138,7 @@ def acceleration(p: Strengths, motion: Motion) -> Vector:
     total = plus(total, scaled(motion.density * magnus, lift.across))
     # ê is along the component of a fixed unit vector d across u, ``d - (d·u) u/U²``, of the size
     # |d × u|/U. So U² ê = (U² d - (d·u) u) U/|d × u|.
-    sine = norm(_aside(p, lift))
+    sine = _norm(_aside(p, lift))
     if p.side is not ZERO and sine is not ZERO:
         direction = p.side_s, p.side_y, p.side_z
         whole = part_across(direction, lift.velocity, lift.speed * lift.speed)
@@ -151,8 +160,20 @@ def _aside(p: Strengths, flow: Flow) -> Vector:
 def motion_of(p: Strengths, position: Vector, velocity: Vector, path: Any) -> Motion:
     """Return the motion through the air, with the spin after a `path`."""
     through = minus(velocity, wind(p, position[2]))
-    # Spin decays with the airspeed, under every reading of the wind.
-    left = _spin_left(p, path, _size(p, through))
+
+    # the size of the spin, relative to that at launch
+    # ``ω' = -(U/L_ω) ω`` has the solution e^(-path/L_ω), with the path through the air under every
+    # reading of the wind. e^(-t/τ) is the same with a path at a fixed speed. Under `nathan`,
+    # e^(-t U/L_ω) depends on the present U, so ω follows no differential equation: the law of
+    # motion evaluates it from (r, v, t), and t is a path at 1 m/s.
+    left: Any = 1.0
+    if p.decay is not ZERO:
+        exponent = -p.decay * path
+        if p.shape.spin_decay == "nathan":
+            exponent = -(p.decay / p.decay_speed) * (path * _size(p, through))
+        left = p.auxiliary_for(trace.exp(exponent))
+
+    # the flow about the ball, for drag and for lift
     spin, size = (p.spin_s, p.spin_y, p.spin_z), p.spin
     air = _flow(p, through, left, spin, size)
     if not p.shape.spins:
@@ -169,7 +190,7 @@ def _flow(p: Strengths, velocity: Vector, left: Any, spin: Vector, size: Any) ->
     """Return the motion through the air, from the spin at launch and its remaining fraction."""
     speed, across = _size(p, velocity), cross(spin, velocity)
     # |ω × u|: the root is shared by drag and lift.
-    turning = norm(across)  # ω_T U
+    turning = _norm(across)  # ω_T U
     # ω_T, ω_T U, and numerator and denominator of ω_T/U: for the whole spin, and for the transverse
     # one.
     whole = size, size * speed, size, speed
@@ -186,23 +207,14 @@ def _size(p: Strengths, velocity: Vector) -> Any:
     """Return the size of a velocity; for a vertical one, without a root."""
     # Vertical flights turn round at w = 0, where √(w²) has no derivative, but ±w has.
     moving = [component for component in velocity if component is not ZERO]
-    return p.sense * moving[0] if len(moving) == 1 else norm(velocity)
+    return p.sense * moving[0] if len(moving) == 1 else _norm(velocity)
 
 
-def _spin_left(p: Strengths, path: Any, speed: Any) -> Any:
-    """Return the size of the spin, relative to that at launch.
-
-    ``ω' = -(U/L_ω) ω`` has the solution e^(-path/L_ω), with the path through the air. e^(-t/τ) is
-    the same with a path at a fixed speed. Under `nathan`, e^(-t U/L_ω) depends on the
-    present U, so ω follows no differential equation. The law of motion evaluates it from (r, v, t);
-    t is a path at 1 m/s.
-    """
-    if p.decay is ZERO:
-        return 1.0
-    exponent = -p.decay * path
-    if p.shape.spin_decay == "nathan":
-        exponent = -(p.decay / p.decay_speed) * (path * speed)
-    return p.auxiliary_for(trace.exp(exponent))
+def _norm(a: Vector) -> Node:
+    """Return ``|a|`` of a vector of nodes, in the form that `trace.squares` recognises."""
+    # A sum of squares under a root has bounded derivatives; see `trace.derivative`.
+    squared = trace.total(trace.square(x) for x in a if x is not ZERO)
+    return squared if squared is ZERO else trace.sqrt(squared)
 
 
 # --- tracing --------------------------------------------------------------------------------------
@@ -331,7 +343,7 @@ def _traced(shape: Shape, names: tuple[str, ...], moving: str) -> _Traced:
     aside = _aside(p, motion.lift)
     if p.side is not ZERO:
         # The sine of the angle between d and u, squared: the force has no direction at 0.
-        size, speed = norm(aside), motion.lift.speed
+        size, speed = _norm(aside), motion.lift.speed
         passed["side"] = size * size, speed * speed
     # Equations of the auxiliary variables: y' = y x' for y = exp x, and y' = e^-y x' for y = log x.
     # The form x'/x of the latter has a singularity, which errors of x could reach.
@@ -622,10 +634,13 @@ def law_of(scene: Any, frame: Any, numbers: Numbers, forces: Sequence[Force] = (
     others: dict[str, N] = {}
     if scene.air is not None:
         shape, parts, others = _in_air(scene, frame, numbers)
-    switches = [part for part in parts if part.thresholds]
-    strengths = {
-        n: x for part in parts if not part.thresholds for n, x in part.strengths[0].items()
-    }
+    switches: list[Switch] = []
+    strengths: dict[str, N] = {}
+    for part in parts:
+        if part.thresholds:
+            switches.append(part)
+        else:
+            strengths |= part.strengths[0]
     if not numbers.absent(scene.gravity):
         strengths["gravity"] = numbers.exact(scene.gravity)
     strengths |= others | earth_strengths(scene, frame, numbers)
@@ -720,50 +735,41 @@ def per_metre(scene: Any, value: float, numbers: Numbers) -> N | None:
     return density(scene, numbers) * numbers.exact(value) * area / (2 * mass)
 
 
-_CONSTANT: dict[str, Any] = {"drag": ConstantDrag, "lift": ConstantLift}
-
-
 def _coefficient(of: str, scene: Any, spins: bool, numbers: Numbers) -> tuple[Any, Switch]:
     """Return the law of the coefficient of drag or lift, and its strengths."""
-    given, constant = getattr(scene.air, f"{of}_coefficient"), _CONSTANT[of]
+    given = getattr(scene.air, f"{of}_coefficient")
+    constant: Any = ConstantDrag if of == "drag" else ConstantLift
     # In columns of scenes, a block is a namespace that names its class. A number is a constant.
     law: Any = type(given) if isinstance(given, Block) else getattr(given, "block", constant)
-    if hasattr(law, "lines"):
-        return _lines(of, given, scene, spins, numbers)
-    linear: dict[str, N] = {}
-    others: dict[str, N] = {}
-    for key in _keys(law):
-        value = getattr(given, key, given)
-        if key in law.nonlinear:
-            others[_strength(of, key)] = numbers.exact(value)
-        # Keys of value zero are left out, and with them their terms.
-        elif (strength := per_metre(scene, value, numbers)) is not None:
-            linear[_strength(of, key)] = strength
-    if not linear:
-        return constant, Switch(of)
-    return law, Switch(of, (linear | present(others, numbers),))
 
+    # a formula
+    if not hasattr(law, "lines"):
+        linear: dict[str, N] = {}
+        others: dict[str, N] = {}
+        for key in law.model_fields:
+            if key == "law":
+                continue
+            value = getattr(given, key, given)
+            if key in law.nonlinear:
+                others[_strength(of, key)] = numbers.exact(value)
+            # Keys of value zero are left out, and with them their terms.
+            elif (strength := per_metre(scene, value, numbers)) is not None:
+                linear[_strength(of, key)] = strength
+        if not linear:
+            return constant, Switch(of)
+        return law, Switch(of, (linear | present(others, numbers),))
 
-@cache
-def _keys(law: Any) -> tuple[str, ...]:
-    """Return the keys of the numbers of a law."""
-    return tuple(key for key in law.model_fields if key != "law")
-
-
-def _lines(of: str, given: Any, scene: Any, spins: bool, numbers: Numbers) -> tuple[Any, Switch]:
-    """Return the law of a coefficient that is linear between nodes; see `_coefficient`."""
+    # lines between nodes
     unit = per_metre(scene, 1.0, numbers)
     if unit is None:
-        return _CONSTANT[of], Switch(of)
-    law = BySpin if given.of == "spin_parameter" else BySpeed
+        return constant, Switch(of)
     nodes: Sequence[N] = ()
     lines: Sequence[tuple[N, N]]
-    if law is BySpin and not spins:
+    if given.of == "spin_parameter" and not spins:
         # Without spin S = 0, and the first value holds everywhere: no nodes, no switch.
         lines = [(numbers.exact(given.values[0]), numbers.exact(0.0))]
     else:
-        table: Any = type(given) if isinstance(given, Block) else given.block
-        nodes, lines = table.lines(given, numbers.exact)
+        nodes, lines = law.lines(given, numbers.exact)
     if given.of == "mach":
         sound = speed_of_sound(scene, numbers)
         nodes = tuple(node * sound for node in nodes)
@@ -771,4 +777,5 @@ def _lines(of: str, given: Any, scene: Any, spins: bool, numbers: Numbers) -> tu
     at_0, slope = _strength(of, "at_0"), _strength(of, "slope")
     strengths = tuple(present({at_0: unit * x, slope: unit * y}, numbers) for x, y in lines)
     thresholds = tuple(node * node for node in nodes)
+    law = BySpin if given.of == "spin_parameter" else BySpeed
     return law, Switch(of, strengths, thresholds, f"{law.passes} passes a node of a table")

@@ -1,4 +1,4 @@
-"""Number systems: doubles, mpmath, balls.
+"""Number systems: doubles, mpmath, balls; and vectors of three numbers.
 
 The chain of an at-bat and every formula of the model are written once, for any of these systems.
 """
@@ -22,13 +22,6 @@ from longball.model.result import ErrorCode, Number
 # A condition is therefore a bool or an array of them. Conditions are combined by & and |, and
 # negated by ``^ True``: ``not`` fails for arrays, and ``~True`` is -2.
 N = Any
-
-Vector = tuple[N, N, N]
-
-
-def plus(a: tuple[float, ...], factor: float, b: tuple[float, ...]) -> tuple[float, ...]:
-    """Return ``a + factor b``, component by component."""
-    return tuple([x + factor * y for x, y in zip(a, b, strict=True)])  # faster than a generator
 
 
 class Undecided(ArithmeticError):
@@ -103,14 +96,10 @@ class Doubles(Numbers):
     pi = math.pi
     rounding = 2.0**-53  # half an ulp of 1, relative
     sqrt = staticmethod(math.sqrt)  # correctly rounded; every evaluation of a force calls it
-    report = float
+    exact = report = float
     functions: Mapping[str, Callable[..., float]] = MappingProxyType(
         {"sqrt": math.sqrt, "exp": math.exp, "log": math.log, "unit": ratio}
     )
-
-    def exact(self, value: float) -> float:
-        """Return the double itself."""
-        return value
 
     def cos_sin(self, angle: float) -> tuple[float, float]:
         """Return cosine and sine of an angle in radians."""
@@ -122,3 +111,39 @@ class Doubles(Numbers):
 
 
 DOUBLES = Doubles()
+
+
+# --- vectors --------------------------------------------------------------------------------------
+
+Vector = tuple[N, N, N]
+
+
+def plus(a: Vector, b: Vector) -> Vector:
+    """Return ``a + b``."""
+    return a[0] + b[0], a[1] + b[1], a[2] + b[2]
+
+
+def minus(a: Vector, b: Vector) -> Vector:
+    """Return ``a - b``."""
+    return a[0] - b[0], a[1] - b[1], a[2] - b[2]
+
+
+def scaled(factor: Any, a: Vector) -> Vector:
+    """Return ``factor a``."""
+    return factor * a[0], factor * a[1], factor * a[2]
+
+
+def dot(a: Vector, b: Vector) -> Any:
+    """Return ``a · b``."""
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+
+
+def cross(a: Vector, b: Vector) -> Vector:
+    """Return ``a × b``."""
+    return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
+
+
+def part_across(a: Vector, b: Vector, square: Any) -> Vector:
+    """Return ``b² a - (a·b) b``: the component of a across b, times the given b²."""
+    # Without the division by b², which may be 0.
+    return minus(scaled(square, a), scaled(dot(a, b), b))

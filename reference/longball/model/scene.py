@@ -33,10 +33,10 @@ from longball.model.csv_files import not_utf8
 from longball.model.explain import explain, is_vector, parts_of, short
 from longball.model.jsonl import LONGEST_LINE, json_line
 from longball.model.names import did_you_mean, one_of
+from longball.model.numbers import cross, plus, scaled
 from longball.model.plain import json_text, plain
 from longball.model.readings import Reading
 from longball.model.result import ErrorCode, Result
-from longball.model.vectors import cross, plus, scaled
 
 
 class InvalidScene(ValueError):
@@ -241,31 +241,31 @@ class Fence(_Block):
     def _is_a_fence(self) -> Self:
         if (self.radius is None) == (self.polyline is None):
             _refuse("a fence needs either a radius or a polyline")
-        if self.polyline is not None:
-            _require_polyline([(x, y) for x, y, _ in self.polyline])
+        if self.polyline is None:
+            return self
+
+        # A polyline runs from left to right and does not cross itself. A step in height is a
+        # repeated vertex.
+        vertices = [(x, y) for x, y, _ in self.polyline]
+        corners = [v for i, v in enumerate(vertices) if i == 0 or v != vertices[i - 1]]
+        if len(corners) < 2:
+            _refuse("polyline needs at least two vertices [x, y, height] at different places")
+        chords = list(pairwise(corners))
+        for i, (a, b) in enumerate(chords):
+            # Neighbours share a vertex; they overlap only if the second folds back on the first.
+            for j, (c, d) in enumerate(chords[i + 1 :], i + 1):
+                back = (a[0] - b[0]) * (d[0] - b[0]) + (a[1] - b[1]) * (d[1] - b[1])
+                folds = _turn(a, b, d) == 0 and back > 0
+                if folds if j == i + 1 else _meet(a, b, c, d):
+                    _refuse(f"polyline crosses itself: between {a}, {b} and between {c}, {d}")
+        # Sum of the angles of the chords as seen from the plate: negative from left to right.
+        plate = (0.0, 0.0)
+        if sum(math.atan2(_turn(plate, a, b), a[0] * b[0] + a[1] * b[1]) for a, b in chords) > 0:
+            _refuse(
+                "polyline runs the wrong way round the plate: it must go from the left pole "
+                "(y > 0) to the right pole; reverse the order of its vertices"
+            )
         return self
-
-
-def _require_polyline(vertices: list[tuple[float, float]]) -> None:
-    """Require a line from left to right that does not cross itself."""
-    # A step in height is a repeated vertex.
-    corners = [v for i, v in enumerate(vertices) if i == 0 or v != vertices[i - 1]]
-    if len(corners) < 2:
-        _refuse("polyline needs at least two vertices [x, y, height] at different places")
-    chords = list(pairwise(corners))
-    for i, (a, b) in enumerate(chords):
-        # Neighbours share a vertex; they overlap only if the second folds back on the first.
-        for j, (c, d) in enumerate(chords[i + 1 :], i + 1):
-            back = (a[0] - b[0]) * (d[0] - b[0]) + (a[1] - b[1]) * (d[1] - b[1])
-            folds = _turn(a, b, d) == 0 and back > 0
-            if folds if j == i + 1 else _meet(a, b, c, d):
-                _refuse(f"polyline crosses itself: between {a}, {b} and between {c}, {d}")
-    # Sum of the angles of the chords as seen from the plate: negative from left to right.
-    if sum(math.atan2(_turn((0.0, 0.0), a, b), a[0] * b[0] + a[1] * b[1]) for a, b in chords) > 0:
-        _refuse(
-            "polyline runs the wrong way round the plate: it must go from the left pole (y > 0) to "
-            "the right pole; reverse the order of its vertices"
-        )
 
 
 def _turn(a: tuple[float, float], b: tuple[float, float], c: tuple[float, float]) -> float:
@@ -568,7 +568,13 @@ def parse_scene(
     `InvalidScene` names the key at fault.
     """
     text = _text(line)
-    data = _json(text)
+    try:
+        data = _DECODER.decode(text)
+    except json.JSONDecodeError as error:
+        fault = _JSON_FAULTS.get(error.msg, f"{error.msg} at character {{at}}")
+        raise InvalidScene(f"not JSON: {fault.replace('{at}', str(error.pos + 1))}") from None
+    except RecursionError:
+        raise InvalidScene("not a scene: the brackets are nested too deeply") from None
     if not isinstance(data, dict):
         raise InvalidScene(f"not a scene: a JSON object is needed, not {short(data)}")
     if change:
@@ -616,16 +622,6 @@ def _text(line: str | bytes) -> str:
         return line.decode("utf-8-sig")
     except UnicodeDecodeError as error:
         raise InvalidScene(not_utf8(error)) from None
-
-
-def _json(text: str) -> Any:
-    try:
-        return _DECODER.decode(text)
-    except json.JSONDecodeError as error:
-        fault = _JSON_FAULTS.get(error.msg, f"{error.msg} at character {{at}}")
-        raise InvalidScene(f"not JSON: {fault.replace('{at}', str(error.pos + 1))}") from None
-    except RecursionError:
-        raise InvalidScene("not a scene: the brackets are nested too deeply") from None
 
 
 # Frequent messages of Python's parser, and ours.

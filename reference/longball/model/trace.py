@@ -263,41 +263,42 @@ def derivative(
     """
     # `known` avoids exponential work: nodes are shared between terms.
     known = {} if known is None else known
-    if node not in known:
-        known[node] = _derivative(node, by, known, ratio)
-    return known[node]
+    if node in known:
+        return known[node]
 
-
-def _derivative(node: Node, by: Node, known: dict[Node, Node], ratio: str) -> Node:
     def of(inner: Node) -> Node:
         return derivative(inner, by, known, ratio)
 
-    if node.static or node.kind == "variable":
-        return _ONE if node is by else ZERO
+    found: Node
     match node.kind:
+        case _ if node.static or node.kind == "variable":
+            found = _ONE if node is by else ZERO
         case "sum":
-            return total(c * of(x) for c, x in node.args[1:])
+            found = total(c * of(x) for c, x in node.args[1:])
         case "product":
-            a, b = cast(tuple[Node, Node], node.args)
-            return of(a) * b + a * of(b)
+            a, b = node.args
+            found = of(a) * b + a * of(b)
         case "quotient":
-            a, b = cast(tuple[Node, Node], node.args)
-            return (of(a) - node * of(b)) / b
+            a, b = node.args
+            found = (of(a) - node * of(b)) / b
         case "sqrt":
             (a,) = node.args
             # √(x² + y²) has the derivative x/√…, which stays bounded at 0; a'/(2√a) is 0/0 there.
             if parts := squares(a):
                 # A `unit` node bounds the ratio by 1 even if numerator and denominator may be 0.
-                return total(_make(ratio, x, node) * of(x) for x in parts)
-            return of(a) / (2 * node)
+                found = total(_make(ratio, x, node) * of(x) for x in parts)
+            else:
+                found = of(a) / (2 * node)
         case "exp":
             (a,) = node.args
-            rate: Node = of(a)
-            return node * rate
+            found = node * of(a)
         case "log":
-            (a,) = cast(tuple[Node], node.args)
-            return of(a) / a
-    raise TypeError(f"a {node.kind} has no derivative")
+            (a,) = node.args
+            found = of(a) / a
+        case _:
+            raise TypeError(f"a {node.kind} has no derivative")
+    known[node] = found
+    return found
 
 
 # --- programs -------------------------------------------------------------------------------------

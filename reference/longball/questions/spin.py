@@ -25,9 +25,8 @@ from longball.model.air import Air, law_name
 from longball.model.arrays import Array
 from longball.model.law import per_metre
 from longball.model.names import one_of
-from longball.model.numbers import DOUBLES
+from longball.model.numbers import DOUBLES, part_across
 from longball.model.scene import AtBatScene, PitchScene
-from longball.model.vectors import part_across
 from longball.pitches.models import FlightModel
 from longball.pitches.statcast import MeasuredPitches, time_of_plane
 from longball.questions.movement import Movement, movement, vectors

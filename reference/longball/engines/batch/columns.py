@@ -255,11 +255,6 @@ class Columns(Run):
         decided = rows & (np.greater(abs(x), error) | ((x == 0.0) & (error == 0.0)))
         return decided & positive, decided & ~positive
 
-    def touched(self, touch: Touch, rows: Flags) -> tuple[Flags, Flags]:
-        """See `Run`."""
-        code: Any = touch.touched
-        return rows & (code == 1), rows & (code == 0)
-
     def fly(self, law: Law, start: State, events: Events, limit: Any, rows: Flags) -> Flights:
         """See `Run`. Flights without support in the compiled code are left to the scalar chain."""
         launch = Start(0.0, law.state_of(start))

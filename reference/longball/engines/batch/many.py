@@ -105,7 +105,20 @@ class Batch(ManyAtOnce):
 
     def solve_as_data(self, scenes: Sequence[Scene], threads: int = 1) -> list[dict[str, Any]]:
         """Return the results of scenes of any kinds, in order, as plain data."""
-        return _solve_as_data(scenes, self, threads)
+        alike: defaultdict[Any, list[int]] = defaultdict(list)
+        for i, scene in enumerate(scenes):
+            alike[_structure(scene)].append(i)
+        results: dict[int, dict[str, Any]] = {}
+        for places in alike.values():
+            same = [scenes[i] for i in places]
+            solved: Sequence[dict[str, Any] | None] = [None] * len(same)
+            if _flies_in_lanes(same[0], MODEL):  # then there are no tables of different lengths
+                solved = solve_columns_as_data(same[0], _columns_of(same), self, threads)
+            for i, data in zip(places, solved, strict=True):
+                # The scalar chain solves the rows that are left, or gives the reason for no answer.
+                results[i] = data or chain.solve(scenes[i], SCALAR).data()
+                results[i]["id"] = scenes[i].id
+        return [results[i] for i in range(len(scenes))]
 
     def fly_all(self, starts: Records, program: Program) -> Records:
         """Fly records of `flights.flight_dtype`; return their arrivals, in order."""
@@ -283,23 +296,6 @@ def _named(
 def _by_name(table: Table, engines: NDArray[Any]) -> dict[str, NDArray[Any]]:
     names = np.array([*OUTCOMES, ""])
     return {"outcome": names[table.outcome]} | table.columns | {"engine": engines}
-
-
-def _solve_as_data(scenes: Sequence[Scene], solver: Batch, threads: int) -> list[dict[str, Any]]:
-    alike: defaultdict[Any, list[int]] = defaultdict(list)
-    for i, scene in enumerate(scenes):
-        alike[_structure(scene)].append(i)
-    results: dict[int, dict[str, Any]] = {}
-    for places in alike.values():
-        same = [scenes[i] for i in places]
-        solved: Sequence[dict[str, Any] | None] = [None] * len(same)
-        if _flies_in_lanes(same[0], MODEL):  # then there are no tables, whose lengths may differ
-            solved = solve_columns_as_data(same[0], _columns_of(same), solver, threads)
-        for i, data in zip(places, solved, strict=True):
-            # The scalar chain solves the rows that are left, or gives the reason for no answer.
-            results[i] = data or chain.solve(scenes[i], SCALAR).data()
-            results[i]["id"] = scenes[i].id
-    return [results[i] for i in range(len(scenes))]
 
 
 def solve_columns_as_data(
