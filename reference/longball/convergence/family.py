@@ -187,7 +187,7 @@ def _jump(one: _Measured) -> float:
     change = np.linalg.norm(one.values[:, fine, 1] - one.values[:, fine, 0], axis=-1)
     error = one.errors(jumps=False, order=1.0)[:, fine]  # a guess: a free choice
     # Independent rounding errors grow with the square root of their number.
-    noise = 4 * EPSILON * one.size * np.sqrt(one.counts[fine])
+    noise = 4 * EPSILON * one.size * np.sqrt(one.counts[fine])  # a free choice above it
     clear = np.isfinite(change) & np.isfinite(error) & (np.maximum(error, change) > noise)
     if not clear.any():
         return 0.0
