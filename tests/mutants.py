@@ -11,6 +11,18 @@ reach its module, the quickest first, up to `LIMIT` seconds in all. Killed: a te
 not end in time. The others are survivors, whether another test would kill them or not. A mutant for
 which no test runs is an error, of this program or of its lists.
 
+Two kinds of change are not made, because no test can notice them. `>` becomes `<=`, but not `>=`
+unless one side is zero or written as a whole number: another real number is exactly at a limit with
+probability zero. And a number that a comment calls a free choice does not change, nor does an
+operator beside it:
+
+    FEW = 6  # scenes in which schemes are tried first: a free choice
+
+The comment holds for its statement, behind the head of a function for all of it, and on a line of
+its own up to the next blank line. A number that is added to an entry of a table of free choices is
+one, too. Changes by a factor of 10 or 1000 would say little: three in four survive, because a limit
+of a search mostly costs time.
+
 Mutants are drawn at random from `FOLDERS`, from each in proportion to its mutants, in an order of
 which any beginning is such a sample. Survivors are written to tests/mutants.csv, where the column
 `reason` says why a mutant is equivalent to the module; those do not count for the score, which is
@@ -29,12 +41,14 @@ import json
 import math
 import os
 import random
+import re
 import resource
 import shutil
 import signal
 import sys
 import tempfile
 import time
+import tokenize
 import traceback
 from collections import Counter, defaultdict
 from collections.abc import Callable, Iterable, Iterator
@@ -42,6 +56,7 @@ from concurrent.futures import ThreadPoolExecutor, as_completed
 from copy import deepcopy
 from dataclasses import dataclass, field
 from functools import cache
+from io import StringIO
 from pathlib import Path
 from typing import Any
 
@@ -105,15 +120,23 @@ SWAPS: dict[type[ast.AST], tuple[type[ast.AST], ...]] = {
     ast.Sub: (ast.Add,),
     ast.Mult: (ast.Div,),
     ast.Div: (ast.Mult,),
-    ast.Lt: (ast.LtE, ast.GtE),
-    ast.LtE: (ast.Lt, ast.Gt),
-    ast.Gt: (ast.GtE, ast.LtE),
-    ast.GtE: (ast.Gt, ast.Lt),
+    ast.Lt: (ast.GtE,),
+    ast.LtE: (ast.Gt,),
+    ast.Gt: (ast.LtE,),
+    ast.GtE: (ast.Lt,),
     ast.Eq: (ast.NotEq,),
     ast.NotEq: (ast.Eq,),
     ast.And: (ast.Or,),
     ast.Or: (ast.And,),
 }
+# Made where the two sides may be equal.
+TIES: dict[type[ast.AST], tuple[type[ast.AST], ...]] = {
+    ast.Lt: (ast.LtE,),
+    ast.LtE: (ast.Lt,),
+    ast.Gt: (ast.GtE,),
+    ast.GtE: (ast.Gt,),
+}
+FREE = re.compile(r"\bfree choices?\b", re.IGNORECASE)
 
 
 # --- mutants --------------------------------------------------------------------------------------
@@ -151,8 +174,10 @@ def mutants(module: str) -> Iterator[Mutant]:
     """Yield every mutant of a module."""
     source = (PACKAGE / module).read_text(encoding="utf-8")
     lines, numbers = source.splitlines(), Counter[tuple[str, str, str]]()
-    for where, node in _visible(ast.parse(source)):
-        for change, changed in _changes(node):
+    tree = ast.parse(source)
+    free = free_choices(tree, source)
+    for where, node in _visible(tree):
+        for change, changed in _changes(node) if node not in free else ():
             assert isinstance(node, ast.expr)
             reach = range(node.lineno, (node.end_lineno or node.lineno) + 1)
             words = where, change, lines[node.lineno - 1].strip()
@@ -197,8 +222,9 @@ def _changes(node: ast.AST) -> Iterator[tuple[str, ast.expr]]:
         case ast.BinOp(op=op) | ast.BoolOp(op=op):
             for other in SWAPS.get(type(op), ()):
                 yield _words(op, other), altered(node, op=other())
-        case ast.Compare(ops=[op]):
-            for other in SWAPS.get(type(op), ()):
+        case ast.Compare(left=left, ops=[op], comparators=[right]):
+            ties = TIES.get(type(op), ()) if _is_whole(left) or _is_whole(right) else ()
+            for other in (*SWAPS.get(type(op), ()), *ties):
                 yield _words(op, other), altered(node, ops=[other()])
         case ast.UnaryOp(op=ast.USub() | ast.Not(), operand=operand):
             yield f"without {'-' if isinstance(node.op, ast.USub) else 'not'}", operand
@@ -207,6 +233,71 @@ def _changes(node: ast.AST) -> Iterator[tuple[str, ast.expr]]:
         case ast.Constant(value=int() | float() as value):
             other = value + 1 if isinstance(value, int) else 1.5 * value + (value == 0.0)
             yield f"{value} -> {other}", ast.Constant(other)
+
+
+def _is_whole(node: ast.expr) -> bool:
+    """True if a number is zero, or is whole as it is written."""
+    match node:
+        case ast.Constant(value=value):
+            return isinstance(value, int) or value == 0.0
+        case ast.UnaryOp(operand=operand):
+            return _is_whole(operand)
+        case ast.BinOp(left=left, right=right):
+            return _is_whole(left) and _is_whole(right)
+        case ast.Attribute(attr=name) | ast.Subscript(value=ast.Attribute(attr=name)):
+            return name in ("size", "ndim", "shape")
+        case ast.Call(func=ast.Name(id=name) | ast.Attribute(attr=name)):
+            return name in ("len", "sum", "count")
+    return False
+
+
+def free_choices(tree: ast.Module, source: str) -> set[ast.AST]:
+    """Return the numbers that comments call free choices, and the operators beside them."""
+    lines, nodes = _free_lines(tree, source), [*ast.walk(tree)]
+    free = {node for node in nodes if getattr(node, "lineno", 0) in lines}
+    tables = {
+        ast.unparse(statement.targets[0])
+        for statement in tree.body
+        if isinstance(statement, ast.Assign) and statement in free
+    }
+    for node in nodes:
+        if isinstance(node, ast.BinOp) and isinstance(node.op, ast.Add | ast.Sub):
+            parts = [*ast.walk(node)]
+            entries = (part.value for part in parts if isinstance(part, ast.Subscript))
+            if any(ast.unparse(table) in tables for table in entries):
+                free.update(parts)
+    subscripts = (node.slice for node in nodes if isinstance(node, ast.Subscript))
+    indices = {part for subscript in subscripts for part in ast.walk(subscript)}
+    numbers = {
+        node for node in free - indices
+        if isinstance(node, ast.Constant) and type(node.value) in (int, float)
+    }  # fmt: skip
+    return numbers | {
+        node for node in nodes
+        if isinstance(node, ast.BinOp | ast.UnaryOp)
+        and not numbers.isdisjoint(ast.iter_child_nodes(node))
+    }  # fmt: skip
+
+
+def _free_lines(tree: ast.Module, source: str) -> set[int]:
+    """Return the lines for which comments about free choices hold."""
+    lines = ["", *source.splitlines(), ""]
+    statements: dict[int, range] = {}  # by line; the inner ones replace the outer ones
+    for node in ast.walk(tree):
+        if isinstance(node, ast.stmt):
+            last = node.end_lineno or node.lineno
+            if not isinstance(node, ast.FunctionDef) and (body := getattr(node, "body", None)):
+                last = body[0].lineno - 1
+            span = range(node.lineno, last + 1)
+            statements |= dict.fromkeys(span, span)
+    free: set[int] = set()
+    for token in tokenize.generate_tokens(StringIO(source).readline):
+        if token.type == tokenize.COMMENT and FREE.search(token.string):
+            line = end = token.start[0]
+            while lines[line].lstrip().startswith("#") and lines[end].strip():
+                end += 1
+            free.update(range(line, end) or statements[line])
+    return free
 
 
 def altered(node: ast.expr, **parts: Any) -> ast.expr:

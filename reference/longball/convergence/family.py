@@ -185,9 +185,9 @@ def _jump(one: _Measured) -> float:
     """
     fine = slice(len(one.steps) // 2, None)
     change = np.linalg.norm(one.values[:, fine, 1] - one.values[:, fine, 0], axis=-1)
-    error = one.errors(jumps=False, order=1.0)[:, fine]
+    error = one.errors(jumps=False, order=1.0)[:, fine]  # a guess: a free choice
     # Independent rounding errors grow with the square root of their number.
-    noise = 4 * EPSILON * one.size * np.sqrt(one.counts[fine])
+    noise = 4 * EPSILON * one.size * np.sqrt(one.counts[fine])  # a free choice above it
     clear = np.isfinite(change) & np.isfinite(error) & (np.maximum(error, change) > noise)
     if not clear.any():
         return 0.0
@@ -202,7 +202,7 @@ def _jump(one: _Measured) -> float:
 def _assess(one: _Measured, jump: float, expected: float | None) -> tuple[Order, PowerLaw | None]:
     """Fit the order of one quantity and compare it with theory."""
     jumps = jump > JUMP
-    steps, order = one.levels(jumps), 1.0
+    steps, order = one.levels(jumps), 1.0  # a first guess: a free choice
     # Without the truth the errors depend on the order; three rounds determine it to 1e-3.
     for _ in range(5):
         errors = typical(np.maximum(one.errors(jumps, order), EPSILON / 2 * one.size))

@@ -83,7 +83,7 @@ def fit_power_law(steps: Array, errors: Array) -> PowerLaw | None:
     ]  # fmt: skip
     if not laws:
         return None
-    allowed = max(GOOD_ENOUGH, 1.5 * min(law.half_width for law in laws))
+    allowed = max(GOOD_ENOUGH, 1.5 * min(law.half_width for law in laws))  # a free choice
     best = max(
         (law for law in laws if law.half_width <= allowed), key=lambda law: (law.last, -law.first)
     )
@@ -141,7 +141,7 @@ def typical(errors: Array) -> Array:
         scene, rest = scene + by_scene, rest - by_scene[:, None]
         by_step = np.nanmedian(rest, axis=0)
         step, rest = step + by_step, rest - by_step
-        if max(np.abs(by_scene).max(), np.abs(by_step).max()) < 1e-6:
+        if max(np.abs(by_scene).max(), np.abs(by_step).max()) < 1e-6:  # a free choice
             break
     result = np.full(errors.shape[1], np.nan)
     result[columns] = np.exp(step + np.median(scene))

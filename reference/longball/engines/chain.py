@@ -556,7 +556,7 @@ def collide(run: Run, contact: ContactState, error: N) -> tuple[Impact, Mask]:
 
 # Fewer operations lead from the velocities to the decisions below, each on terms that are no larger
 # than those of the bounds.
-_OPERATIONS = 40
+_OPERATIONS = 40  # a free choice above them
 # If the ball is far heavier than the bat, K is nearly singular: digits cancel in its determinant,
 # and the gripping impulse loses as many. In doubles, a scene that loses more than three is refused.
 _MOST_LOST = 1e3
@@ -988,7 +988,7 @@ def solve_once(scene: Scene, engine: Engine, model: Model = MODEL) -> tuple[Resu
 
 # Least number of scenes for processes. Starting these takes one or two seconds, as long as a
 # hundred scenes by the slower engines.
-_FEW = 100
+_FEW = 100  # a free choice
 
 
 def solve_each(

@@ -13,10 +13,10 @@ import numpy as np
 
 _ROUNDING = 2.0**-53
 # Six are enough at a simple zero; rounding could lead Newton's method on without end.
-MOST_NEWTON_STEPS = 50
+MOST_NEWTON_STEPS = 50  # a free choice
 # Between turning points that are this close, relative to the step, a polynomial changes by less
 # than its rounding: by the cube of it.
-_CLOSE = 1e-6
+_CLOSE = 1e-6  # a free choice
 
 
 def values(x: Any, h: float, out: Any) -> None:

@@ -72,7 +72,7 @@ def compiled(function: F) -> F:
 
 
 # Factor on the counted work; infinity means: compile at the first call.
-_HASTE = 1.0
+_HASTE = 1.0  # a free choice
 
 
 def compile_at_once() -> None:

@@ -70,7 +70,7 @@ class Chord:
 
 
 # Distance to a vertex, or to the fence, where there is none, m.
-_FAR = 1e30
+_FAR = 1e30  # a free choice
 
 
 def chords(polyline: Sequence[Sequence[float]], numbers: Numbers) -> list[Chord]:

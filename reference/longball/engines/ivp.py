@@ -42,9 +42,9 @@ METHODS = ("Taylor", "RK23", "RK45", "DOP853", "Radau", "BDF", "LSODA")
 
 # A baseball's flight takes a dozen steps of Taylor's method and a hundred of others. Strong lift
 # can loop a ball a thousand times a second: the limit corresponds to a few seconds of computing.
-_MOST_STEPS = 20_000
+_MOST_STEPS = 20_000  # a free choice
 # solve_ivp is interrupted after this many steps to test for terminal velocity (`_uniform`).
-_MANY_STEPS = 2_000
+_MANY_STEPS = 2_000  # a free choice
 
 _BEYOND = "the forces are beyond the range of double precision"
 
@@ -107,7 +107,8 @@ class Ivp(PathEngine):
         """
         if self.method == "Taylor":
             return 2e-14
-        return (100 if self.method in ("BDF", "LSODA") else 10) * max(self.tolerances.values())
+        multiple = 100 if self.method in ("BDF", "LSODA") else 10  # free choices above these
+        return multiple * max(self.tolerances.values())
 
     def steps(
         self,

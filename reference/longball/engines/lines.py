@@ -19,7 +19,8 @@ from longball.model.scene import InvalidScene, Scene, parse_scene, refused
 # Lines that a worker process takes at a time: hundredths of a second, so that passing them on costs
 # little, and the last worker does not run for long alone.
 CHUNK, CHUNK_AT_ONCE = 32, 1024
-_BYTES = 1 << 17  # read at a time at most: hundreds of lines, and twice the buffer of a pipe
+# Read at a time at most, a free choice: hundreds of lines, and twice the buffer of a pipe.
+_BYTES = 1 << 17
 
 Line = tuple[int, bytes]
 

@@ -52,11 +52,11 @@ Mpf = Any  # a number of an mpmath context: mpmath brings no types
 # the landing an error grows by a few hundred, and in a graze with a margin of 1e-15 m by 1e10.
 # Rounding stays six digits below the error of a step.
 _FLIGHT_GUARD = 10
-_STEP_GUARD = 14
+_STEP_GUARD = 14  # a free choice
 _ROUNDING_GUARD = 20
 
 # Nodes a digit: between 1.1 and 1.6 the time of a flight is flat.
-_NODES_PER_DIGIT = 1.25
+_NODES_PER_DIGIT = 1.25  # a free choice
 
 
 class MultiprecisionNumbers(Numbers):
@@ -160,7 +160,7 @@ class Multiprecision(PathEngine):
             length = min(length, fastest / change)
         while begin < limit:
             # The last step is longer by its rounding, so that it does not end before the limit.
-            length = min(length, (limit - begin) * (1 + 4 * context.eps))
+            length = min(length, (limit - begin) * (1 + 4 * context.eps))  # a free choice
             segment, needed = dynamics.step(begin, length / 2, state, fastest)
             # The factor to the next step. Coefficients fall as ρ^-k and reach the tolerance at k =
             # `needed`, which determines ρ. They should reach it at the last significant one; ρ is
@@ -193,14 +193,14 @@ class Multiprecision(PathEngine):
 
 
 # A flight takes twenty, one that loops for a minute a hundred: ten seconds of 30 digits.
-_MOST_STEPS = 250
+_MOST_STEPS = 250  # a free choice
 
 # Beyond, a double does not hold the error of a flight, 10^-(digits + 10).
 _MOST_DIGITS = 290
 
 # A failed step costs more than one that is a tenth too short. Beyond the other two limits the
 # estimate of ρ is unreliable: the coefficients have not begun to fall, or there are too few.
-_SAFETY, _MOST_SHORTER, _MOST_LONGER = 0.9, 0.5, 4.0
+_SAFETY, _MOST_SHORTER, _MOST_LONGER = 0.9, 0.5, 4.0  # a free choice
 
 
 # --- the rule -------------------------------------------------------------------------------------
@@ -392,7 +392,7 @@ class Dynamics:
             if half * largest <= _SOLVED * tolerance * fastest:
                 break
             # Each round gains about a dozen digits; less than two show that it does not converge.
-            if before is not None and largest * 100 > before:
+            if before is not None and largest * 100 > before:  # a free choice
                 return None, math.inf
             before = largest
             # Scaled: with hundreds of digits, residuals are below the range of doubles.
@@ -471,7 +471,7 @@ class Dynamics:
             change = half * np.abs(correction).max()
             if change <= _ROUGHLY * np.abs(velocities).max():
                 return rates, factored, float(np.linalg.norm(velocities, axis=0).max())
-            if change > 2 * previous:
+            if change > 2 * previous:  # a free choice
                 return None
             previous = change
         return None
@@ -479,19 +479,19 @@ class Dynamics:
 
 # Number of negligible coefficients at the end. By symmetry, even and odd ones may differ in size:
 # two would cover both kinds, and three are safe.
-_IDLE = 3
+_IDLE = 3  # a free choice
 
 # End of the refinement, relative to the truncation error. A larger residual would look like a tail
 # of the coefficients, which a shorter step does not remove.
-_SOLVED = 1e-3
+_SOLVED = 1e-3  # a free choice
 
 # Newton's method squares the error. A dozen iterations end far from the solution only if the step
 # is far too long.
-_ROUGH_STEPS = 12
+_ROUGH_STEPS = 12  # a free choice
 
 # End of Newton's method in doubles, relative to the velocity: near rounding. The refinement
 # continues from there.
-_ROUGHLY = 1e-11
+_ROUGHLY = 1e-11  # a free choice
 
 
 # --- events on a segment --------------------------------------------------------------------------
@@ -527,7 +527,7 @@ class SegmentCurve:
         """See `Curve.positive`: a sum of |c_k| bounds the rest, as all |P_k| <= 1."""
         first, *others = self._in_doubles(map(self.value, self.segment.at_nodes))
         # The slack is far more than the rounding of doubles: no graze is passed over.
-        return bool(first > (1 + 1e-9) * np.abs(others).sum())
+        return bool(first > (1 + 1e-9) * np.abs(others).sum())  # a free choice
 
     def turns(self, a: Mpf, b: Mpf) -> list[Mpf]:
         """See `Curve.turns`.
@@ -592,7 +592,7 @@ class SegmentCurve:
 
 
 # Coefficients below this, relative to the largest, are the rounding of the doubles they are in.
-_NOISE = 2.0**-52
+_NOISE = 2.0**-52  # a free choice
 
 # The eigenvalues are good to about 1e-14 if zeros are apart, and to the root of that if not.
-_NEAR = 1e-7
+_NEAR = 1e-7  # a free choice

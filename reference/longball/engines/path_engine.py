@@ -332,9 +332,9 @@ class PathEngine(Engine, ABC):
 
 
 # A flight passes a node of a table twice, or a few times more if it loops.
-_MOST_BRANCHES = 1000
+_MOST_BRANCHES = 1000  # a free choice
 # Each piece is searched for the ends of the law's form, in up to a millisecond.
-_MOST_PIECES = 10_000
+_MOST_PIECES = 10_000  # a free choice
 
 
 class _SwitchEvent(NamedTuple):

@@ -91,13 +91,13 @@ ARRAYS: Any = SimpleNamespace(
 # of a nanometre off the ground, or at a bat a hundred kilometres up.
 _FAR_SMALLER = 2.0**-20
 # s; for pieces between these a second is a unit that is about as long.
-_SHORT, _LONG = 2.0**-3, 2.0**3
+_SHORT, _LONG = 2.0**-3, 2.0**3  # a free choice
 # Newton's method has converged when it moves by less than this fraction of a time on the piece:
 # hundreds of roundings, which one more step would square.
-_CLOSE_TIMES = 2.0**-44
+_CLOSE_TIMES = 2.0**-44  # a free choice
 
 # A curve takes about 0.1 ms as it is; to compile all of it takes two seconds.
-COEFFICIENTS = Code(Path(coefficients.__file__).read_text("utf-8"), 5_000)
+COEFFICIENTS = Code(Path(coefficients.__file__).read_text("utf-8"), 5_000)  # a free choice
 
 
 def values_at(x: Array, h: float) -> Array:

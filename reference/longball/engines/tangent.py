@@ -439,7 +439,7 @@ def seeded_by(scene: Scene, name: str) -> tuple[Any, float]:
 
     The rate is the size of the input, so that derivatives have the size of the result.
     """
-    speed = abs(value_of(scene, name)) or 1.0
+    speed = abs(value_of(scene, name)) or 1.0  # a free choice
     rates = {name: 1.0}
     # A tracked quantity changes all components of its vector: take their rates from its formulas.
     if name in TRACKED:

@@ -35,11 +35,11 @@ Rows = Any  # an array of shape (rows, order + 2); of lists where nothing is com
 
 # The reach of a series to 16 digits grows like the order, the work like its square. But the rest of
 # a step takes ten times as long as a series: orders from 38 to 46 cost the same.
-ORDER = 40
+ORDER = 40  # a free choice
 # The first terms left out are then smaller than the rounding of the velocity.
-TRUNCATION = 2.0**-54
+TRUNCATION = 2.0**-54  # a free choice
 # From a speed of 1e-300 m/s steps grow by half each, until a thousand later they can be seen.
-_MOST_SHORT_STEPS = 5_000
+_MOST_SHORT_STEPS = 5_000  # a free choice
 
 
 def right_hand_side(law: Law) -> Callable[[float, Array], Sequence[float]]:
@@ -233,7 +233,7 @@ def expand(
 
 
 # A series takes 0.1 to 1 ms as it is; numba takes half a second to load, and seconds to compile.
-_ENOUGH = 2_000
+_ENOUGH = 2_000  # a free choice
 
 
 # Names in printed code.

@@ -104,7 +104,7 @@ def impulse_share(contact_force: ContactForce) -> float:
 
 # Steps that are taken at a time: at first a few more than a flight of the paper's steps has, so
 # that it takes one array; at most as many as fit a processor's cache.
-_FIRST_STEPS, _MOST_STEPS = 128, 4096
+_FIRST_STEPS, _MOST_STEPS = 128, 4096  # a free choice
 
 # Most steps up to the time limit; compiled, they take about ten seconds. The landing is not known
 # before the flight, so the whole time counts. With the default limit of 60 s, steps of 3e-7 s and
@@ -112,7 +112,7 @@ _FIRST_STEPS, _MOST_STEPS = 128, 4096
 _MOST_WORK = 200_000_000
 
 # A step takes about ten microseconds as it is; to compile it takes two seconds.
-_ENOUGH = 100_000
+_ENOUGH = 100_000  # a free choice
 
 
 OPTIONS: dict[str, tuple[str, ...]] = {

@@ -24,7 +24,7 @@ write: Callable[..., None]
 # An implicit step has settled when v' changes by no more than its rounding, and has failed when it
 # has not after this many rounds: a ball's first change is a hundredth of the one before.
 SETTLED = 2.0**-52
-ROUNDS = 100
+ROUNDS = 100  # a free choice
 
 
 def step(

@@ -17,7 +17,7 @@ from longball.model.arrays import Array, Flags, Integers
 Function = Callable[[Array, Integers], Array]  # of positions on lines, and the lines' numbers
 
 # Along a line in m/s or m, and of the function in m: far below the errors of the integrals.
-_TOLERANCES = {"xatol": 1e-13, "xrtol": 1e-13, "fatol": 1e-10}
+_TOLERANCES = {"xatol": 1e-13, "xrtol": 1e-13, "fatol": 1e-10}  # free choices
 # Steps of Chandrupatla's method, enough for most roots. At a jump it only halves the bracket.
 # Division by five needs less than half as many steps, and evaluating five positions costs little
 # more than one.

@@ -43,7 +43,7 @@ FARTHEST = 7.1
 _END = 1e-8
 _LEFT_OUT = 1e-10
 # Samples on a line along a variable; up to two roots are found between neighbours.
-_AIMS, _SPEEDS = 13, 25
+_AIMS, _SPEEDS = 13, 25  # free choices
 # Steps for central differences of D, relative to the length of a line, and of e. Truncation causes
 # a relative error of 1e-9, the engine's rounding a smaller one.
 _STEP = 1e-5
@@ -58,7 +58,7 @@ _OF_OFFSETS, _OF_SPEEDS = 8, 4
 _STEEPER = 10.0
 # If two rules without cuts at kinks differ by more than this many tolerances, kinks matter, and the
 # other rules without cuts are skipped.
-_KINKED = 100.0
+_KINKED = 100.0  # a free choice
 # Nodes per standard deviation of a Gauss-Legendre rule that integrates a normal density to
 # rounding.
 _FINE = 4.0

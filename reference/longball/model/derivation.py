@@ -387,7 +387,7 @@ def gripping_threshold() -> sp.Expr:
 
 
 def _equal(name: str, value: sp.Matrix) -> sp.Eq:
-    return sp.Eq(sp.MatrixSymbol(name, *value.shape), sp.ImmutableMatrix(value), evaluate=False)
+    return sp.Eq(sp.MatrixSymbol(name, *value.shape), sp.ImmutableMatrix(value))
 
 
 def equations() -> dict[str, sp.Basic]:

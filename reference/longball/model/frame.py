@@ -62,7 +62,7 @@ class Frame:
 
 # The square of a speed below TINY, m/s, may underflow. Such speeds are multiplied by LARGER first,
 # a power of 2, which is exact.
-TINY, LARGER = 2.0**-500, 2.0**600
+TINY, LARGER = 2.0**-500, 2.0**600  # a free choice
 
 
 def launch_frame(

@@ -34,12 +34,12 @@ _DIRECTION = "launch.direction"
 
 # Launches on the first grid, 3° apart. If two launches between neighbours of the grid hit the
 # target, the farthest launch is between them, and a search adds it to the grid.
-_TRIED = 61
+_TRIED = 61  # a free choice
 # Most corrections of the direction, which side spin and wind turn: the first by the angle that the
 # landing is off, the others by the secant method, whose fourth step is below rounding.
-_CORRECTED = 8
+_CORRECTED = 8  # a free choice
 # Tolerance of roots in rad, m/s and s: rounding. Brent's method needs about ten flights.
-_EXACT = 1e-15
+_EXACT = 1e-15  # a free choice
 
 
 def aim(
@@ -132,7 +132,7 @@ def aim(
         lambda x: -excess(x) if trial(x) else math.inf,
         bounds=(near[0], near[-1]),
         method="bounded",
-        options={"xatol": 1e-9},
+        options={"xatol": 1e-9},  # a free choice
     )
     farthest = max(grid[best], float(peak.x), key=excess)
 

@@ -37,7 +37,7 @@ from longball.solution import real_numbers
 _ROUNDING = 1e-12
 
 # Largest error of a movement, m; the search leaves 1e-14 by rounding.
-_MISSED = 1e-9
+_MISSED = 1e-9  # a free choice
 
 # Laws of lift that depend on the spin parameter, so that they can be solved for it.
 _INVERTED = ("rational", "linear", "bilinear", "table")

@@ -45,7 +45,7 @@ LENGTH, TIME, TIME_COMPENSATION, CLEARANCE, FARTHEST, RANGES = range(6)
 # limits of 3 to 6 sums took a third less time than 10, with partial derivatives to expand.
 MOST_CHAINS = 10 if binding.get_host_cpu_features().get("avx512f") else 5
 
-NO_LIMIT = 1e300  # s, of a step
+NO_LIMIT = 1e300  # s, of a step; a free choice
 # A step more than this many times longer than one with small last terms of the speed is cut to
 # that. With usual forces no step is; derivatives by a force of 0 need the shorter one.
 LONGER = 3.0

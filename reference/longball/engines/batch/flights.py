@@ -208,7 +208,7 @@ def fly_all(
 
 # A flight of 60 s with the paper's ball takes about 100 steps. A ball that almost rests at its apex
 # takes three steps for each factor e by which its speed falls there.
-_MOST_STEPS = 20_000
+_MOST_STEPS = 20_000  # a free choice
 
 _NONE = -1  # number of the flight in a lane that has none
 
@@ -642,7 +642,7 @@ def _put_function(
 _ROUNDING = 8 * 2.0**-53
 # Fraction of the time limit. An event that lies this close to the limit, and is fallen through so
 # slowly that rounding could move it past, is undecided.
-_SOON = 1e-9
+_SOON = 1e-9  # a free choice
 
 
 @inner
@@ -680,7 +680,7 @@ def _is_close_call(s: _Workspace, slot: _Slot, stop: int) -> bool:
 
 # Beyond this multiple of `reach` from the bat, a step is not searched but shortened: at 16 reaches
 # d² - reach² has lost log2(16²) = 8 bits.
-_FAR = 16.0
+_FAR = 16.0  # a free choice
 
 
 @inner

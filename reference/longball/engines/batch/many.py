@@ -43,7 +43,7 @@ from longball.model.scene import AtBatScene, FlightScene, ImpactScene, Scene
 from longball.model.trace import Program
 
 # Scenes that a thread takes at a time: NumPy's calls on them then cost a tenth of the work.
-BLOCK = 16_384
+BLOCK = 16_384  # a free choice
 # The engine of what the compiled code leaves: laws with switches, grazes, balls that come to rest.
 SCALAR = Ivp()
 
@@ -81,7 +81,7 @@ class Batch(ManyAtOnce):
         """Size of the last terms of the velocity in a step, relative to the speed."""
         # With this factor, the landings of 400 launches at 3° to 88° were wrong by at most a fourth
         # of the tolerance, or by 4e-14 m where rounding dominates.
-        return 0.01 * self.tolerance
+        return 0.01 * self.tolerance  # a free choice
 
     @property
     def order(self) -> int:

@@ -15,7 +15,7 @@ from longball.model.arrays import Array
 
 NEVER = math.inf
 # A search takes three to six walks; near a double root each halves the rest of the way.
-_LONGEST_WALK = 1000
+_LONGEST_WALK = 1000  # a free choice
 _NOTHING = 1e-17  # of a time: a tenth of its rounding
 
 

@@ -322,7 +322,7 @@ class SlopeColumns(Columns):
 
 # Of a flight. Most take less than 30; one that takes more than this all but rests on its way, and
 # its direction from there, on which a tangent hangs, is known to as many digits less.
-_MOST_STEPS = 64
+_MOST_STEPS = 64  # a free choice
 
 
 def _norm(*components: Any) -> Any:

@@ -81,7 +81,7 @@ def zeros(value: arb_poly, a: arb, b: arb) -> list[arb]:
     """
     slope = value.derivative()
     curvature = slope.derivative()
-    smallest = (b - a) * arb(2) ** (-flint.ctx.prec // 2)
+    smallest = (b - a) * arb(2) ** (-flint.ctx.prec // 2)  # a free choice
     enclosed: list[arb] = []
     parts = [(a, b)]
     while parts:
@@ -139,7 +139,7 @@ def _newton(value: arb_poly, slope: arb_poly, a: arb, b: arb) -> arb:
                 closer = middle.union(root.upper())
             elif there < 0:
                 closer = root.lower().union(middle)
-            if not 1.5 * closer.rad() < root.rad():
+            if not 1.5 * closer.rad() < root.rad():  # a free choice
                 return closer
         root = closer
 

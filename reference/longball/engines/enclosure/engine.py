@@ -23,7 +23,7 @@ from longball.model.law import Law, State
 from longball.model.trace import Node, variable
 
 # Error of a step, in roundings of the speed: what the roundings of a hundred coefficients leave.
-_TOLERANCE = 2.0**8
+_TOLERANCE = 2.0**8  # a free choice
 
 # Order of the series for each bit: ln 2 / 2, which makes the work of a flight least if that of a
 # step is as the square of its order (Jorba & Zou, Experimental Mathematics 14 (2005) 99).
@@ -33,22 +33,22 @@ _ORDER_PER_BIT = 0.35
 # power of it, to a twentieth. After some trials a power of the other is bisected: each costs a
 # hundredth of a step, and where forces are strong the first may be too long by 22 decades.
 _SHORTER, _MUCH_SHORTER = 0.95, 0.8
-_FEW_TRIALS, _MOST_POWER = 20, 1000
+_FEW_TRIALS, _MOST_POWER = 20, 1000  # a free choice
 
 # Of a step: at its beginning the series is exact, and only uncertain parameters make a defect.
-_INSTANT = 2.0**-20
+_INSTANT = 2.0**-20  # a free choice
 
 # Most work of a flight: the sum over steps of order² times the rows of the law's recurrence. A
 # flight of a minute has a hundred steps. With drag and lift (5 rows), the limit is 2,400 steps with
 # 30 digits, or 470 with 90; these take about 3 and 10 ms each, in total less than ten seconds.
-_MOST_WORK = 40_000_000
+_MOST_WORK = 40_000_000  # a free choice
 
 # The work of a flight is proportional to the cube of its digits: with these, an at-bat takes about
 # ten seconds.
 _MOST_DIGITS = 500
 
 # Bounds need few digits, unlike the numbers that they bound.
-_BITS_OF_BOUNDS = 64
+_BITS_OF_BOUNDS = 64  # a free choice
 
 # Additional working digits if digits are lost. A table of C_L that falls by 0.4 over 0.01 of S
 # makes the force change quickly with the velocity; a flight through it lost 17 digits beyond the
@@ -57,11 +57,11 @@ _MORE_DIGITS = (20, 60)
 
 # A step is cut into as many parts, on each of which the law's derivative is bounded, as make errors
 # grow by little on each: by as much as the state changes on a part, the bound is too large.
-_PARTS = (1, 8, 32, 128)
-_GROWTH_OF_A_PART = 1 / 64
+_PARTS = (1, 8, 32, 128)  # a free choice
+_GROWTH_OF_A_PART = 1 / 64  # a free choice
 
 # How often a tube is made wider, for errors that grow much in a step.
-_TUBES = 4
+_TUBES = 4  # a free choice
 
 
 @dataclass(frozen=True)
@@ -217,13 +217,13 @@ def _error(
     """Apply `lemmas.error_bound`, with a tube that is wide enough for it."""
     # The bound holds as long as the solution is in the tube. It proves that it stays there if it is
     # less than the tube's radius, which is not zero even for a start and a series without error.
-    tube = 4 * (error + defect * h) + arb(2) ** -1000
+    tube = 4 * (error + defect * h) + arb(2) ** -1000  # a free choice
     for _ in range(_TUBES):
         early, late = lemmas.error_bound(error, defect, _growth(system, motion, tube, h))
         bound = early + late * h
         if bound < tube:
             return early, late
-        tube = 2 * bound
+        tube = 2 * bound  # a free choice
     raise OutOfRange(
         "the bound on the velocity's error has grown as large as the speed, as it does under a "
         "strong lift in the long run; take more digits, or a lower time_limit"
@@ -253,7 +253,7 @@ def _guess(
     weights: Sequence[float],
     order: int,
     tolerance: arb,
-) -> float:
+) -> float:  # a free choice
     """Return the time, s, at which the series' last terms are small next to the state.
 
     But not the whole time in which a value that must not be zero would come to nothing.

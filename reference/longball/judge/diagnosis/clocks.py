@@ -53,6 +53,7 @@ class Scheme:
     mends: int | None = None
 
 
+# Limits of the search: free choices.
 ON_LATTICE = 1e-4  # of a step: largest distance of a time from a whole number of steps
 FINEST, LONGEST = 1e-4, 0.4  # shortest and longest step that is searched for, s
 MOST_STEPS = 1e6  # in the first times: a reported time may be wrong by a power of ten
@@ -131,7 +132,7 @@ class _States:
         """The times at which the path is nearest to the candidate's states."""
         # Newton steps: the error along the path over the speed along it.
         times = self.balls.duration.copy()
-        for _ in range(4):
+        for _ in range(4):  # a free choice
             off, moving = self.off(part, times)
             times = times + np.nan_to_num((off * moving).sum(0) / (moving * moving).sum(0))
         return times
@@ -184,7 +185,7 @@ def _rule(told: Array, own: Array, dt: float | None) -> _Rule:
     late = float(np.median(known))
     if _mostly(np.abs(known) < SAME):
         return _Rule("", told)
-    if _mostly(np.abs(known - late) < max(SAME, 1e-4 * abs(late))):
+    if _mostly(np.abs(known - late) < max(SAME, 1e-4 * abs(late))):  # a free choice
         late = float(f"{late:.4g}")
         text = f"gives {{0}} of {abs(late):.6g} s {'before' if late > 0 else 'after'} {{1}}"
         return _Rule(text, told - late, NUMBER + 4 * DIGIT, abs(late))
@@ -205,8 +206,8 @@ def _rule(told: Array, own: Array, dt: float | None) -> _Rule:
     return _Rule(text, own, FREE * known.size)
 
 
-SAME = 1e-8  # s: times that differ by less are one
-FREE = 30.0  # cost in bits of a time that no rule gives
+SAME = 1e-8  # s: times that differ by less are one; a free choice
+FREE = 30.0  # cost in bits of a time that no rule gives; a free choice
 
 
 def _mostly(those: NDArray[np.bool_]) -> bool:

@@ -220,6 +220,7 @@ class Reasoned:
         return sum(not step.explained for step in self.steps)
 
 
+# Limits of an explanation: free choices.
 # The number of a named edit is rounded, which may show in a few scenes: errors below the fraction
 # LAST of a stage's first errors are not explained further. A later stage may be more precise than
 # the one to which the number was fitted: nor are relative errors below SPREADS times its spread.

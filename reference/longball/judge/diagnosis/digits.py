@@ -32,7 +32,7 @@ DOUBLE, SINGLE = 53.0, 24.0  # bits of a number
 DIFFERENT = 4  # distinct numbers that a style needs: a constant 1 is not rounded to one digit
 TELLING = 9  # digits that distinguish a number in single precision from its neighbours
 # Roundings in single precision that add up in a calculation, such as one in each of 1,000 steps.
-ROUNDINGS = 1e3
+ROUNDINGS = 1e3  # a free choice
 
 
 @dataclass(frozen=True)

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from longball.model.arrays import Array
 
-BEYOND = 1e12  # floors: larger errors cost no more
+BEYOND = 1e12  # floors: larger errors cost no more; a free choice
 ADEQUATE = 4.0  # floors: largest error of an adequate edit
 CHANCE = 20.0  # bits: by chance an edit saves so many once in a million (2⁻²⁰)
 # Numbers that may have larger errors if the edit has jumps or kinks, as a fraction of those of the
@@ -72,10 +72,11 @@ def fitted(
         down /= np.where(steep > 0, steep, 1.0)[..., None, None]
         normal = np.einsum("kirn,kjrn->kij", down, down)
         along = np.einsum("kirn,krn->ki", down, off)
-        scaled = np.einsum("kij,kj->ki", np.linalg.pinv(normal, 1e-12, hermitian=True), along)
+        inverse = np.linalg.pinv(normal, 1e-12, hermitian=True)  # a free choice
+        scaled = np.einsum("kij,kj->ki", inverse, along)
         step = -np.divide(scaled, steep, out=np.zeros_like(scaled), where=steep > 0)
         before, moving = _squares(r), (step != 0.0).any(axis=1)
-        for share in (1.0, 0.3):  # far from the minimum a shorter step may succeed
+        for share in (1.0, 0.3):  # far from the minimum a shorter step may succeed; a free choice
             again, slopes = _with_slope(residual, c + share * step)
             better = moving & (_squares(again) < before)
             c = np.where(better[:, None], c + share * step, c)
@@ -92,7 +93,7 @@ def fitted(
 def _with_slope(residual: Callable[[Array], Array], c: Array) -> tuple[Array, Array]:
     # One-sided differences: one call for all starts, and for each start with each number displaced.
     starts, numbers = c.shape
-    h = 1e-6 * np.maximum(np.abs(c), 1e-3)
+    h = 1e-6 * np.maximum(np.abs(c), 1e-3)  # a free choice
     beside = c[:, None] + h[:, None] * np.eye(numbers)
     every = residual(np.concatenate([c, beside.reshape(c.size, numbers)]))
     r, moved = every[:starts].copy(), every[starts:].reshape(starts, numbers, *every.shape[1:])
@@ -105,7 +106,7 @@ def _squares(r: Array) -> Array:
 
 STAYS = 0.8  # another round follows if the sum of squares fell at least to this fraction
 
-NEAR = 1e-3  # largest relative distance between a fitted number and the usual one
+NEAR = 1e-3  # largest relative distance between a fitted number and the usual one; a free choice
 
 
 def rounded(c: float, usual: Collection[float] = ()) -> Iterator[tuple[float, float]]:

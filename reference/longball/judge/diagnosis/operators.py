@@ -195,7 +195,8 @@ class Edit:
 # --- the prior ------------------------------------------------------------------------------------
 
 # Cost of each operator in bits; the choice of its node and among its options is added. One bit more
-# means half as likely. The costs decide between edits that explain the numbers equally well.
+# means half as likely. The costs are free choices: they decide only between edits that explain the
+# numbers equally well.
 BITS = {
     "default": 2.0,
     "zero": 2.0,
@@ -220,7 +221,8 @@ BITS = {
     "unit": 3.0,
 }
 
-# Bits of the dearest edits that the search generates, if there are many: those that it ranks.
+# Bits of the dearest edits that the search generates, if there are many: those that it ranks. Like
+# those below, they are free choices.
 LIKELY = 18.5
 USUAL_BITS = 5.0  # less for a definition that people use (`Stage.pool`)
 
@@ -255,6 +257,24 @@ FACTORS = {
     2 / 3: "",
     3.0: "",
     1 / 3: "",
+}
+
+NEAR_ONE = 0.09  # smaller factors are far from 1, and so are their inverses: a free choice
+
+# Starting values of the fit of a free number: free choices. There are several where the edit has no
+# effect far from the right value.
+STARTS: Mapping[str, tuple[float, ...]] = {
+    "factor": (1.0, 3.0, 0.3),
+    "term": (0.01,),
+    "default": (0.9, 0.2, 3.0, 10.0),  # times the value; on both sides of it
+    "limit": (0.5, 0.9, 1.3, 1.8),  # times the value
+    "least speed": (10.0, 15.0, 20.0, 25.0, 30.0, 35.0),
+    "largest speed": (20.0, 25.0, 30.0, 35.0, 40.0),
+    "steepness": (0.3, 0.5, 0.7, 0.9),
+    "height": (1.0, 5.0, 10.0, 20.0),
+    "beginning": (0.1, 0.5, 1.0),
+    "end": (0.5, 1.0, 2.0, 4.0),
+    "decay": (8000.0,),
 }
 
 # Constants that programs have built in: the fit of a free number also starts from these.
@@ -519,7 +539,7 @@ def _numbers(site: Site) -> Iterator[Option]:
     for options, where_omitted, bits in site.omissions() if not a.vector else ():
         chosen = where_key(options, a, free(a.dimension))
         text = f"uses {{c}} for {said} {where_omitted}"
-        starts = tuple(x * a for x in (0.9, 0.2, 3.0, 10.0))
+        starts = tuple(x * a for x in STARTS["default"])
         yield chosen, BITS["free value"] + bits, text, starts
     if a.op in ("symbol", "named") and not a.vector:
         text = f"uses {{c}} for {said}, whatever the scene says"
@@ -539,14 +559,14 @@ def _factors(site: Site) -> Iterator[Option]:
         return  # a multiple of a direction equals one of the number beside it
     fits = a.op in ("symbol", "named", "norm") or not site.parents or site.under("switch")
     if fits:
-        yield free() * a, BITS["free factor"], f"uses {{c}} times {said}", (1.0, 3.0, 0.3)
+        yield free() * a, BITS["free factor"], f"uses {{c}} times {said}", STARTS["factor"]
     if not fits and site.flies:  # of flights, only fitted factors: a trial of each is expensive
         return
-    # A free factor, fitted from 1, 3 and 0.3, rounds to a usual one near it. Factors of an input
-    # beyond 0.09 to 11 are too far for the fit, and are separate edits.
+    # A free factor, fitted from 1, 3 and 0.3, rounds to a usual one near it. Other factors of an
+    # input are too far for the fit, and are separate edits.
     choice = BITS["factor"] + math.log2(len(FACTORS))
     for factor, meaning in FACTORS.items():
-        if factor == -1.0 or (fits and (a.op != "symbol" or 0.09 < factor < 11)):
+        if factor == -1.0 or (fits and (a.op != "symbol" or NEAR_ONE < factor < 1 / NEAR_ONE)):
             continue
         text = f"uses {factor:.9g} times {said}" + (f" ({meaning})" if meaning else "")
         yield factor * a, choice, text, ()
@@ -557,7 +577,7 @@ def _terms(site: Site) -> Iterator[Option]:
     a, said = site.node, words(site.node)
     if not a.vector and (a.op in ("symbol", "named", "norm") or not site.parents):
         text = f"adds {{c}} to {said}"
-        yield a + free(a.dimension), BITS["free term"], text, (0.01,)
+        yield a + free(a.dimension), BITS["free term"], text, STARTS["term"]
     if not a.vector and a.dimension == NONE and a.op not in ("constant", "sum"):
         # For example 1 + T/273.15, which is right for T in °C, for T in kelvin.
         yield 1.0 + a, BITS["sum"], f"adds 1 to {said}", ()
@@ -665,7 +685,7 @@ def _shapes(site: Site) -> Iterator[Option]:
     if a.op in ("symbol", "named") or site.under("switch"):
         limited = function("least", a, free(a.dimension), dimension=a.dimension)
         # Only starts between the right values and the wrong ones show which scenes it changes.
-        starts = tuple(x * a for x in (0.5, 0.9, 1.3, 1.8))
+        starts = tuple(x * a for x in STARTS["limit"])
         yield limited, BITS["clamp"], f"limits {said} to {{c}}", starts
         raised = -function("least", -a, -free(a.dimension), dimension=a.dimension)
         yield raised, BITS["clamp"] + 1, f"uses {{c}} for {said} below that", starts
@@ -712,7 +732,9 @@ def _kin(a: Node) -> Iterator[tuple[Node, float, str]]:
     """Siblings of a function, with their bits beyond those of the operator, and words."""
     said = words(a)
 
-    def instead(b: Node, more: float = 0.0, at: str = "") -> tuple[Node, float, str]:
+    plain, rarer, slip = 0.0, 2.0, 3.0  # bits: free choices
+
+    def instead(b: Node, more: float = plain, at: str = "") -> tuple[Node, float, str]:
         return b, more, f"uses {words(b)} for {said}{at}"
 
     if a.op in KINKS:  # without its limit
@@ -723,49 +745,49 @@ def _kin(a: Node) -> Iterator[tuple[Node, float, str]]:
         case "norm", (b,):
             yield instead(function("sizes", b, dimension=a.dimension))
             for i in range(3):
-                yield instead(function("abs", component(b, i), dimension=a.dimension), 2.0)
+                yield instead(function("abs", component(b, i), dimension=a.dimension), rarer)
             for name in ("(x, y, 0)", "(x, 0, z)", "(0, y, z)"):
                 part = norm(axes(b, AXES[name], name))
-                yield part, 0.0, f"uses the components {name} of {words(b)} in {said}"
+                yield part, plain, f"uses the components {name} of {words(b)} in {said}"
             for square, text in _mixed(b, b):
                 size = function("sqrt", square, dimension=a.dimension)
-                yield size, 3.0, f"uses {text} in the length of {words(b)}"
+                yield size, slip, f"uses {text} in the length of {words(b)}"
             if (product := _meaning(b)).op == "cross":
                 yield instead(function("abs", dot(*product.args), dimension=a.dimension))
         case "cross", (b, c):
-            yield from ((made, 3.0, f"uses {text}") for made, text in _slipped(b, c))
+            yield from ((made, slip, f"uses {text}") for made, text in _slipped(b, c))
         case "dot", (b, c):  # written out by components, with a slip in one index or sign
             for product, text in (*_mixed(b, c), *_mixed(c, b)):
-                yield product, 3.0, f"uses {text} in {said}"
+                yield product, slip, f"uses {text} in {said}"
         case "sum", (_, b) if b.op == "negative":  # such as 1 - x
             yield instead(b.args[0])
         case "where", (condition, *sides):
             yield from (instead(b, at=", on both sides of its limit") for b in sides)
             # As cheap as a wrong sign, because it often gives the same numbers as one.
-            yield where(condition, *sides[::-1]), -2.0, f"exchanges the two sides of {said}"
+            yield where(condition, *sides[::-1]), -rarer, f"exchanges the two sides of {said}"
         case "atan2", (b, c):
             yield from map(instead, (function("atan", b / c), function("atan2", c, b)))
         case "exp", (b,):
             yield instead(1.0 + b)
         case "sqrt", (b,):
-            yield in_unit_of(a, b), 0.0, f"uses {words(b)} for its root"
+            yield in_unit_of(a, b), plain, f"uses {words(b)} for its root"
         case "abs", (b,):
             yield instead(-b)
         case "least", (b, c):
             largest = -function("least", -b, -c, dimension=a.dimension)
-            yield largest, 0.0, f"uses the larger of {words(b)} and {words(c)}, not the smaller"
+            yield largest, plain, f"uses the larger of {words(b)} and {words(c)}, not the smaller"
         case (("sin" | "cos"), (angle,)):
             of = f"for {a.op} of {words(angle)}"
             for other in ("cos" if a.op == "sin" else "sin", "tan"):
-                yield function(other, angle), 0.0, f"uses {other} {of}"
-            yield angle, 0.0, f"uses {words(angle)} for its {a.op}"
+                yield function(other, angle), plain, f"uses {other} {of}"
+            yield angle, plain, f"uses {words(angle)} for its {a.op}"
             yield instead(constant(1.0))
             square = angle * angle  # the power series
             yield instead(angle - angle * square / 6.0 if a.op == "sin" else 1.0 - square / 2.0)
         case "table", (x,):
             key, _ = a.data
             for mode, text in TABLES.items():
-                yield table(x, key, mode), 0.0, text.format(f"the table {key}")
+                yield table(x, key, mode), plain, text.format(f"the table {key}")
         # Drag is a number times |v| v. Programs that treat each axis by itself compute |v_x| v_x,
         # or v_x².
         case "product", (b, c) if a.vector:
@@ -774,16 +796,16 @@ def _kin(a: Node) -> Iterator[tuple[Node, float, str]]:
                 if _meaning(size).op == "norm" and _meaning(size).args[0] is c:
                     rest = math.prod(factors[:i] + factors[i + 1 :], start=constant(1.0))
                     text = f"uses each component's own size for {words(size)} in {said}"
-                    yield rest * each("by_own_size", c, c), 0.0, text
+                    yield rest * each("by_own_size", c, c), plain, text
                     text = f"squares each component in {said}, without its sign"
                     yield rest * each("by_component", c, c), 1.0, text
         case "unit", (b,):
             one = constant(1.0, b.dimension)
-            yield b * (1.0 / one), 0.0, f"does not divide {words(b)} by its length"
+            yield b * (1.0 / one), plain, f"does not divide {words(b)} by its length"
             if (b := _meaning(b)).op == "cross":
                 parts = cross(unit(b.args[0]), unit(b.args[1]))
                 text = f"divides {words(b)} by the lengths of both, and not by its own"
-                yield parts, 0.0, text
+                yield parts, plain, text
 
 
 def _mixed(a: Node, b: Node) -> Iterator[tuple[Node, str]]:
@@ -883,11 +905,11 @@ def _components(site: Site) -> Iterator[Option]:
             yield instead(i, c), BITS["free value"] + math.log2(3), text, (own,)
         # Such as a distance to the point of the plate, where the model has its front.
         text = f"adds {{c}} to {said}"
-        yield instead(i, own + c), BITS["free term"] + math.log2(3), text, (0.01,)
+        yield instead(i, own + c), BITS["free term"] + math.log2(3), text, STARTS["term"]
         if a.dimension != NONE:
             text = f"uses {{c}} times {said}"
             cost = BITS["free factor"] + BITS["part"] + math.log2(3)
-            yield instead(i, free() * own), cost, text, (1.0, 3.0, 0.3)
+            yield instead(i, free() * own), cost, text, STARTS["factor"]
 
 
 def _at_launch(a: Node) -> Node:
@@ -933,17 +955,18 @@ def _states(site: Site) -> Iterator[Option]:
     conditions = (
         (component(v, 2), "only on the way up", ()),
         (-component(v, 2), "only on the way down", ()),
-        (speed - c_speed, "only above a speed of {c} m/s", (10.0, 15.0, 20.0, 25.0, 30.0, 35.0)),
-        (c_speed - speed, "only below a speed of {c} m/s", (20.0, 25.0, 30.0, 35.0, 40.0)),
-        (free() - steep, "only if v_z/|v| is below {c}", (0.3, 0.5, 0.7, 0.9)),
-        (component(r, 2) - free(M), "only above a height of {c} m", (1.0, 5.0, 10.0, 20.0)),
-        (t - free(t.dimension), "only after {c} s", (0.1, 0.5, 1.0)),
-        (free(t.dimension) - t, "only for {c} s", (0.5, 1.0, 2.0, 4.0)),
+        (speed - c_speed, "only above a speed of {c} m/s", STARTS["least speed"]),
+        (c_speed - speed, "only below a speed of {c} m/s", STARTS["largest speed"]),
+        (free() - steep, "only if v_z/|v| is below {c}", STARTS["steepness"]),
+        (component(r, 2) - free(M), "only above a height of {c} m", STARTS["height"]),
+        (t - free(t.dimension), "only after {c} s", STARTS["beginning"]),
+        (free(t.dimension) - t, "only for {c} s", STARTS["end"]),
     )
     for condition, text, starts in conditions:
         yield function("rises", condition) * a, cost, f"applies {said} {text}", starts
     falling = function("exp", -component(r, 2) / free(M))
-    yield falling * a, cost, f"lets {said} fall with the height, by e in {{c}} m", (8000.0,)
+    text = f"lets {said} fall with the height, by e in {{c}} m"
+    yield falling * a, cost, text, STARTS["decay"]
 
 
 def _everywhere(key: str, option: str) -> str:
@@ -1153,7 +1176,7 @@ def _of_units(chain: Sequence[Stage], stage: Stage) -> Iterator[Edit]:
                 by = substitute(by, old, new)
             cost = BITS["unit"] + BITS["free factor"] + math.log2(len(UNITS))
             text = f"uses {{c}} times every {name} of the scene"
-            yield Edit(root, by, cost, text, (1.0, 3.0, 0.3), inputs=changed)
+            yield Edit(root, by, cost, text, STARTS["factor"], inputs=changed)
 
 
 UNITS = {"mass": KG, "length": M, "speed": SPEED, "angular speed": RATE}
@@ -1396,7 +1419,7 @@ PRODUCTS = "product", "quotient", "sum"  # operations that programs write out ag
 
 
 # Bits for an edit of a node that is not a named definition. Switches cost most: a verdict can print
-# no formula for one, and no program contains it as a whole.
+# no formula for one, and no program contains it as a whole. All are free choices.
 UNNAMED = {"named": 0.0, "symbol": 0.5, "switch": 4.0}
 
 

@@ -73,7 +73,7 @@ from longball.model.arrays import Array
 Bools = NDArray[np.bool_]
 
 ALIKE = DIGIT  # bits: edits that cost at most this much more than the cheapest are listed with it
-MOST = 2  # largest number of edits that are listed with the cheapest
+MOST = 2  # largest number of edits that are listed with the cheapest; a free choice
 
 time_limit, floor = symbol("time_limit", S), symbol("landing height", M)
 margin, clearance = OWN["contact.margin"], OWN["fence.clearance"]
@@ -586,7 +586,7 @@ def _ways(search: _Search, left: Bools, accounted: Bools, unknown: Bools) -> lis
     return sorted(found.values(), key=lambda way: (-way.fixed.sum(), way.spent))
 
 
-def _moved(told: Told) -> Told:
+def _moved(told: Told) -> Told:  # a free choice
     """Scenes with all values moved at random, in which equal edits are detected."""
     draw = np.random.default_rng(0)
     moved: dict[str, Any] = {}

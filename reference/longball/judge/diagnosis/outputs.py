@@ -22,6 +22,7 @@ from longball.judge.diagnosis.scenes import rule
 from longball.judge.quantities import QUANTITIES
 from longball.model.arrays import Array
 
+# Limits of the search: free choices.
 # A stage is mended if the right conversion leaves at most this fraction of its largest relative
 # error. The rest may come from long steps, whose errors are less than a hundredth of a wrong
 # unit's.
@@ -183,7 +184,7 @@ def _factors(data: Data) -> Iterator[tuple[Array | float, str, str | None, float
     for one in INPUTS:
         name, column = one.symbol.data, data.columns[one.symbol.data]
         if not one.symbol.vector and (column > 0).all():
-            bits = BITS["factor"] + 1 + math.log2(len(INPUTS))
+            bits = BITS["factor"] + 1 + math.log2(len(INPUTS))  # a free choice
             yield column, f"{{}} times {name}", f"do not multiply by {name}", bits
             yield 1.0 / column, f"{{}} divided by {name}", f"do not divide by {name}", bits
 
@@ -218,12 +219,12 @@ def _others(data: Data) -> Iterator[Conversion]:
             if (OWN[q].dimension, mine.ndim) != (OWN[other].dimension, theirs.ndim):
                 continue
             both = np.isfinite(mine) & np.isfinite(theirs)
-            apart = np.abs(data.expected[q] - data.expected[other]) > 1e-6
+            apart = np.abs(data.expected[q] - data.expected[other]) > 1e-6  # a free choice
             # Values that agree to the last digit where the true ones differ were copied. The right
             # value cannot be recovered, and counts as missing.
             if (both & apart).any() and (mine == theirs)[both].all():
                 wrong = {q: np.where(both, np.nan, mine)}
-                bits = BITS["other"] + 2 * math.log2(len(OWN))
+                bits = BITS["other"] + 2 * math.log2(len(OWN))  # a free choice
                 yield Conversion(
                     (q,), f"{q} equals your {other}", bits, f"give {q}, not {other}", wrong
                 )

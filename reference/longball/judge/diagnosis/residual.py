@@ -59,10 +59,10 @@ from longball.model.quantities import at as value_at
 
 # Relative error of a right value, from rounding in about a hundred steps of the candidate and of
 # the judge.
-ROUNDING = 1e-12
+ROUNDING = 1e-12  # a free choice
 # Relative error that needs no explanation, because a careful integrator makes it: RK4 at 1 ms has
 # 1e-11 at a landing, adaptive methods with a tolerance of 1e-10 have about 1e-9.
-NOISE = 2.5e-10
+NOISE = 2.5e-10  # a free choice
 
 
 class Stepping(NamedTuple):
@@ -76,6 +76,7 @@ class Stepping(NamedTuple):
     controlled: bool = False
 
 
+# Steps of flights: free choices, finer than the differences that are looked for.
 # FINE steps have a median error of 1e-14 at the landings of the golden flights. COARSE steps give
 # the effects of nine edits in ten to better than a thousandth.
 FINE, MIDDLE, COARSE = Stepping(0.8, 400, controlled=True), Stepping(0.5, 100), Stepping(1.7, 4)
@@ -203,7 +204,7 @@ def data_of(cases: Sequence[Case], answers: Mapping[str, Answer], granted: float
 
 # m: pitches count as equal if they are this near to each other at the plate, flights if they are
 # this near at the landing.
-SAME_PATH = 1e-9
+SAME_PATH = 1e-9  # a free choice
 
 
 def _floats(value: Sequence[Any]) -> Any:
@@ -355,7 +356,7 @@ def _fences(
     return {"chord.a": ends[0], "chord.b": ends[1]}
 
 
-AT_CORNER = 1e-9  # m: chords are equally near if their distances differ by less
+AT_CORNER = 1e-9  # m: chords are equally near if their distances differ by less; a free choice
 
 
 # --- flights --------------------------------------------------------------------------------------
@@ -758,7 +759,7 @@ class Followed:
         return np.asarray(np.nan_to_num(np.abs(self.off) / self.scale).max(axis=0, initial=0.0))
 
 
-HUGE = 1e12  # SI units: a ball cannot have larger numbers
+HUGE = 1e12  # SI units: a ball cannot have larger numbers; a free choice
 
 
 @np.errstate(all="ignore")  # a wrong number may be of any size
@@ -886,7 +887,7 @@ _FLOWN = frozenset((str(OWN["flight.path"].data),))
 _UNREPORTED = {"pitch": _BEFORE, "touching": _BEFORE, "flight": _FLOWN}
 # The formulas of the collision need a unit vector. A program that divides by R + r_b does not get
 # one if its ball is not on the bat's surface.
-_NORMAL, NOT_ONE = frozenset((str(n.data),)), 1e-6
+_NORMAL, NOT_ONE = frozenset((str(n.data),)), 1e-6  # a free choice
 
 
 def seen(chain: Sequence[Stage], data: Data) -> Data:

@@ -20,11 +20,13 @@ from longball.judge.diagnosis.residual import COARSE, START, Launched, flown, la
 from longball.model.arrays import Array
 
 _PATH = frozenset(("path",))
+# Accuracy of effects: free choices.
 NODES = 10  # of a Gauss-Legendre rule over the time of flight
 # Displacement for one-sided differences, m and m/s. The error of the differences is far below that
 # of the long steps (`search.STEPS`).
 KICK = 1e-4
 OTHER = 1.1  # factor between two values of a free number, from which its effect follows
+BESIDE_ZERO = 0.1  # the other value if the first is 0
 
 
 # An edit, and a value of its free number, which is None if it has none.
@@ -83,7 +85,7 @@ class Many:
 
 # Numbers of edits that are evaluated together: with few different widths, the values of unedited
 # nodes are computed few times. If there are fewer edits, the rest of the rows is padding.
-WIDTHS = 1, 4, 16, 64
+WIDTHS = 1, 4, 16, 64  # free choices
 
 
 # A function from balls and fractions of their flights to their states, shape (7, fractions, balls).
@@ -316,7 +318,7 @@ class Effects:
             for start in numbers if len(numbers) else (None,):
                 self.trials.append((edit, start))
                 of.append(i)
-                second.append(None if start is None else (edit, OTHER * start or 0.1))
+                second.append(None if start is None else (edit, OTHER * start or BESIDE_ZERO))
         self._of = np.array(of, int)  # the number of each trial's edit
         self._free = np.array([other is not None for other in second], bool)
         every = way.moved([*self.trials, *filter(None, second)])[:, rows]
@@ -428,6 +430,7 @@ def _unit(rows: Array) -> tuple[Array, Array]:
 
 
 ROWS = 6  # position and velocity; the next three are the spin, and the last is the path
+# Limits of the comparison: free choices.
 FAR = 1e9  # in units of the error: larger effects are ignored
 RIGHT = 1e-9  # a scene is right if its error is below this fraction of the largest one
 PARALLEL = 1e-7  # fraction of an effect: an orthogonal part below it is rounding

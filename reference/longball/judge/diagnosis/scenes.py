@@ -71,8 +71,9 @@ TOLD_BY_NO_FIELD = frozenset((
 # A rule holds for all wrong scenes and for no right one. By chance a given rule does so with the
 # probability 1/choices (`Condition.choices`). A rule is reported if there are at least ODDS times
 # as many choices as rules that were tried.
-ODDS = 100
+ODDS = 100  # a free choice
 
+# Limits of the search: free choices.
 # No rule for fewer scenes, wrong or right: golden scenes that test one thing are alike, so that
 # many rules separate a few of them from others.
 FEWEST = 5
@@ -228,9 +229,9 @@ def _between(a: float, b: float) -> float:
 
 # --- the smallest scene ---------------------------------------------------------------------------
 
-LARGEST_SHRINKS = 6  # rounds of simplification, each runs the candidate up to twice
+LARGEST_SHRINKS = 6  # rounds of simplification, each runs the candidate up to twice; a free choice
 
-NOTHING = 1e-9  # smaller numbers are rounding errors of zero
+NOTHING = 1e-9  # smaller numbers are rounding errors of zero; a free choice
 
 
 Simplification = Callable[[Any], Any]  # from a scene to a simpler one

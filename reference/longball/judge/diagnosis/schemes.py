@@ -57,6 +57,7 @@ from longball.judge.diagnosis.residual import (
 )
 from longball.model.arrays import Array
 
+# Limits of the search: free choices.
 FEW = 6  # wrong scenes with short flights, in which schemes are tried first
 # Steps of the first trials, s. The errors with two steps give the order of an integrator, and the
 # order gives the step with which its errors are as large as the candidate's.
@@ -76,7 +77,8 @@ ROUGHLY, FITS, CLOSELY = 0.7, 0.1, 1e-3
 LIKE, MOST = 0.1, 0.8
 NEAR, CHORD = 1.25, 2.0  # round steps are tried within these factors of the fitted one
 
-# Steps that people choose: round numbers, and the frame rates of screens and cameras.
+# Steps that people choose: round numbers, and the frame rates of screens and cameras. Which ones
+# are tried is a free choice.
 _DECADE = (1, 1.25, 1.5, 2, 2.5, 3, 4, 5, 6, 8)
 _RATES = (24, 30, 60, 64, 90, 120, 128, 144, 240, 256, 480, 512, 960, 1024)
 ROUND = tuple(
@@ -84,6 +86,7 @@ ROUND = tuple(
            | {1 / n for n in _RATES})
 )  # fmt: skip
 ROUND_BITS, TRIED_BITS = math.log2(len(ROUND)), math.log2(2 * (len(INTEGRATORS) + 1))
+ODD_BITS = 30.0  # of a step that is not round
 
 
 # An integrator, its step, and whether the end of a flight is on the chord between two steps.
@@ -284,7 +287,7 @@ class Steps:
         # Integrators that leave the same error come in the order of `some`, the simplest first.
         return sorted(
             zip(left.tolist(), other.tolist(), some, strict=True),
-            key=lambda x: (round(math.log10(x[0] + 1e-8)), places[x[2].words]),
+            key=lambda x: (round(math.log10(x[0] + 1e-8)), places[x[2].words]),  # a free choice
         )
 
     @cached_property
@@ -300,7 +303,7 @@ class Steps:
 
     def named(self, dt: float | None, slipped: bool = True) -> Scheme | None:
         """The cheapest scheme that reproduces all numbers, if any; with slips only if `slipped`."""
-        least = TRIED_BITS + (0.0 if dt else ROUND_BITS) + CHANCE
+        least = TRIED_BITS + (0.0 if dt else ROUND_BITS) + CHANCE  # a free choice
         if not self.few.size or self.null < least:  # no scheme saves more than the errors cost
             return None
         # A scheme makes errors in many scenes. In one or two ill-conditioned ones, some scheme will
@@ -324,7 +327,7 @@ class Steps:
         # Errors of a chord grow as the square of the step: one trial gives the step.
         made, _ = self.errors([(EXACT, TRIALS[1], True)], self.few)
         off = self.followed.off[:, self.few]
-        sizes = (float(np.nanmax(np.abs(x[:3]), initial=1e-30)) for x in (off, made))
+        sizes = (np.nanmax(np.abs(x[:3]), initial=1e-30) for x in (off, made))  # a free choice
         fit = TRIALS[1] * math.sqrt(next(sizes) / next(sizes))
         chords = near(fit, CHORD)
         ways = (EXACT, *(one for one in INTEGRATORS if one.order and one.order > 1))
@@ -388,7 +391,7 @@ class Steps:
         """The likeliest option that reproduces all numbers. A slip costs `more` bits."""
 
         def bits(h: float) -> float:
-            return TRIED_BITS + more + (0.0 if h == dt else ROUND_BITS if h in ROUND else 30.0)
+            return TRIED_BITS + more + (0.0 if h == dt else ROUND_BITS if h in ROUND else ODD_BITS)
 
         found: list[Scheme] = []
         holding = self._holding(options)
@@ -519,6 +522,7 @@ def explain_push(
     return None
 
 
+# Limits of the search with edits: free choices.
 SOME = 24  # wrong scenes with short flights, in which edits are tried first together with a scheme
 VARIANTS = 6  # edits that are tried with all schemes
 SAVES = 0.8  # largest fraction of the bits of the first scenes that a scheme leaves there
@@ -552,7 +556,7 @@ def with_edit(
                 continue
             tried, h = ([like.one], like.h) if like else (plain.possible, TRIALS[0])
             share, rest = _shares(search.off, search.made(tried, h, search.few))
-            left = float(rest[share > 0.0].min(initial=1.0))
+            left = float(rest[share > 0.0].min(initial=1.0))  # a free choice above `ROUGHLY`
             if left < ROUGHLY:
                 ways.append((left * search.square, variant))
     ways.sort(key=lambda way: (float(f"{way[0]:.6g}"), way[1].bits))
@@ -582,4 +586,4 @@ def _numbered(edit: Edit) -> Iterable[Edit]:
     return [edit.settled(x, bits) for x, bits in values.items()]
 
 
-MOVED = 0.05  # relative: how far a scheme's errors may move a free number
+MOVED = 0.05  # relative: how far a scheme's errors may move a free number; a free choice

@@ -50,6 +50,7 @@ from longball.judge.diagnosis.operators import (
     FACTORS,
     FREE,
     LIKELY,
+    NEAR_ONE,
     Edit,
     edits,
     edits_of_one_option,
@@ -80,6 +81,7 @@ from longball.judge.diagnosis.unseen import Unseen
 from longball.model.arrays import Array
 from longball.model.scene import AtBatScene
 
+# Limits of the search: free choices.
 # Screening scenes: wrong ones, from the worst to the least, and right ones.
 WRONG, RIGHT = 10, 10
 # Scenes in which an edit is verified.
@@ -134,7 +136,7 @@ def defaults() -> Mapping[str, Any]:
     air = {"lift_coefficient": {"law": "rational"}, "drag_coefficient": {"law": "spin"}}
     crisis = {"lift_coefficient": {"law": "linear"}, "drag_coefficient": {"law": "crisis"}}
     weather = {"density": {"temperature": 288.15}}
-    spinning = {"spin": (0.0, 1.0, 0.0)}
+    spinning = {"spin": (0.0, 1.0, 0.0)}  # a free choice
     given: list[dict[str, Any]] = [
         {}, {"air": air, "pitch": spinning}, {"air": crisis, "pitch": spinning}, {"air": weather},
         {"bat": {"friction": 0.1}, "ball": {"inertia_factor": 0.4}, "earth": {"latitude": 0.0}},
@@ -192,6 +194,7 @@ class Layer(NamedTuple):
     pairs: bool = False
 
 
+# How many edits are tried: free choices.
 # Most named edits are in the first layer. The last layer has many more edits: it ranks them along
 # one path only, and tries no pairs.
 EVERY = slice(None)
@@ -1053,6 +1056,7 @@ class Explanation:
         return self.telling[key]
 
 
+# Limits of the comparison: free choices.
 # An edit that explains at least this fraction of the wrong scenes is tried as one of two mistakes.
 MOST = 0.5
 ABOUT = 2.0  # times what the best group leaves: groups that are about as good
@@ -1138,7 +1142,7 @@ def _fitted_from(
     Long steps may diverge for factors between 1 and that of the candidate, so that a fit from 1
     fails. Usual factors are therefore tried first, and the fit starts from the best numbers.
     """
-    usual = [x for x in FACTORS if USUAL < abs(x) < 1 / USUAL] if factor else []
+    usual = [x for x in FACTORS if NEAR_ONE < abs(x) < 1 / NEAR_ONE] if factor else []
     tried = np.array([*dict.fromkeys((*starts, *usual))])[:, None]
     every = screened(tried)
     best = np.argsort([cost(r) for r in every], kind="stable")
@@ -1148,11 +1152,10 @@ def _fitted_from(
     return c, r
 
 
-USUAL = 0.09  # smaller factors, and their inverses, are separate edits (`operators._factors`)
-STARTS = 3  # starting values of the fit of a free number
+STARTS = 3  # starting values of the fit of a free number; a free choice
 
 
-def _moved_at_random(stage: Stage, columns: Mapping[str, Any]) -> dict[str, Any]:
+def _moved_at_random(stage: Stage, columns: Mapping[str, Any]) -> dict[str, Any]:  # a free choice
     """Columns with every number moved at random: unequal edits then give unequal values."""
     draw = np.random.default_rng(0)
     moved: dict[str, Any] = {}

@@ -228,7 +228,8 @@ def _equal(stage: Stage, data: Data) -> Iterable[str]:
             if theirs.ndim != mine.ndim:
                 continue
             # Values that are equal in truth, such as the two times of a flight scene, show nothing.
-            apart = np.abs(true - data.expected[other]) > 1e-6 * (1.0 + np.abs(true))
+            least = 1e-6 * (1.0 + np.abs(true))  # a free choice
+            apart = np.abs(true - data.expected[other]) > least
             both = np.isfinite(mine) & np.isfinite(theirs) & apart
             if both.sum() >= 3 * mine.ndim and (mine == theirs)[both].all():
                 yield f"{quantity} equals your {other}"

@@ -47,7 +47,7 @@ from longball.model.scene import Scene
 # Runs a candidate again: from scenes to answers by id.
 Solve = Callable[[Sequence[Any]], Mapping[str, Answer]]
 
-SCENES = 100  # largest number of new scenes
+SCENES = 100  # largest number of new scenes; a free choice
 
 
 class Unseen:
