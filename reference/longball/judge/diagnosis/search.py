@@ -1067,7 +1067,7 @@ UNLIKE = 0.8  # fraction of the squared errors that an edit of a flight must not
 SHOWS = 0.5  # largest fraction of them that the best edit leaves if the errors have a cause
 FURTHER = 12  # groups that are still computed after one that explains the screening scenes
 FEW_EDITS = 20_000  # if fewer cost `LIKELY` bits or less, all are generated
-RIGHT_CHANGES = 2.0  # weight of the right scenes that an edit changes, as evidence against it
+RIGHT_USES = 2.0  # weight of the right scenes that use a node, as evidence for the node
 FEW_DIGITS = NUMBER + 3 * DIGIT  # bits: a number that costs more may stand for a formula
 SPREAD = 1e-6  # largest relative uncertainty of a number that later stages may show
 FITTED = 1e-8  # relative error of a free number that is fitted in the screening scenes
@@ -1089,44 +1089,30 @@ USUAL_NUMBER = 0.5  # the value of a free number there
 def _by_use(
     stage: Stage, followed: Followed, columns: Mapping[str, Any]
 ) -> Callable[[Edit], float]:
-    """Bits of an edit, and of the share of wrong scenes among those that it changes.
+    """Bits of an edit, and of the share of wrong scenes among those that use its node.
 
-    An edit that changes mostly right scenes is less likely the mistake.
+    A node that mostly right scenes use is less likely the wrong one.
     """
-    right = followed.checked & ~followed.beyond
-    few = np.concatenate([
-        evenly(np.flatnonzero(flags), MOST_COMPARED) for flags in (followed.beyond, right)
-    ])  # fmt: skip
-    wrong = followed.beyond[few]
-    # Scenes that each of these stands for.
-    weights = np.where(
-        wrong, followed.beyond.sum() / wrong.sum(), right.sum() / max((~wrong).sum(), 1)
-    )
-    own = take(columns, few)
-    probe = Values(_moved_at_random(stage, own))
     forms = itertools.chain.from_iterable(stage.forms.values())
-    users = used([*stage.roots.values(), *forms], own)
+    roots = frozenset((*stage.roots.values(), *forms))
+    users, checked = used([*roots], columns), followed.checked
 
-    def share(changed: NDArray[np.bool_]) -> float:
-        return float(((changed * weights)[wrong].sum() + 1) / ((changed * weights).sum() + 2))
+    @cache
+    def bits(*nodes: Node) -> float:
+        flags = np.any([users.get(node, np.False_) & checked for node in nodes], axis=0)
+        share = ((flags & followed.beyond).sum() + 1) / (flags.sum() + 2)
+        return -RIGHT_USES * math.log2(share)
 
     def rank(edit: Edit) -> float:
-        old, new = (edit.place, edit.by) if edit.within is None else (edit.within[1], edit.by)
-        using = users.get(old, users.get(edit.place, np.True_)) & np.ones_like(wrong)
-        found = share(using)
-        if found < SMALL_SHARE:  # of the scenes that use the node, in how many does it differ?
-            a, b = np.atleast_2d(probe.of(old)), np.atleast_2d(probe.given(new, {}))
-            differs = np.abs(a - b) > SAME_VALUE * np.abs(a)  # vectors and matrices, by scene
-            found = share(using & differs.any(axis=tuple(range(differs.ndim - 1))))
-        return edit.bits - RIGHT_CHANGES * math.log2(found)
+        node = edit.place if edit.within is None else edit.within[1]
+        if node in roots:  # of a whole formula, the innermost nodes that the edit replaces
+            kept = frozenset(ordered([edit.new]))
+            lost = [x for x in ordered([node], kept) if x not in kept]
+            inner = [x for x in lost if kept.issuperset(x.args)]
+            return edit.bits + bits(*(inner or [node]))
+        return edit.bits + bits(node if node in users else edit.place)
 
     return rank
-
-
-# Edits are compared in so many wrong and right scenes before they are sorted, and their numbers if
-# less than this share of the scenes that use the node is wrong.
-MOST_COMPARED, SMALL_SHARE = 32, 0.5
-SAME_VALUE = 1e-9  # relative
 
 
 def _jumps(stage: Stage) -> set[str]:
