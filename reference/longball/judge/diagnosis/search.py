@@ -375,18 +375,19 @@ class Explanation:
     def _null(self) -> float:
         """Cost of the residuals without an edit, in bits.
 
-        If the other side of a branch explains every wrong scene, each is one decision: one bit.
+        Each wrong scene that the other side of a branch explains is one decision: one bit.
         """
         base, roots = self.base, self.stage.roots.values()
-        branches = [node for node in ordered(roots) if node.op == "where"]
-        for node in branches if self.stage.kind == "formula" else ():
-            condition, *sides = node.args
-            other = self.stage.edited(node, where(condition, *sides[::-1]))
-            after = self._compared(other, self.all)
-            if is_adequate(_in_floors(after)[:, base.beyond]):
-                decided = np.where(base.beyond, after.off, base.off)
-                return float(base.beyond.sum()) + _bits(replace(base, off=decided))
-        return _bits(base)
+        found = [_bits(base)]
+        for node in ordered(roots) if self.stage.kind == "formula" else ():
+            if node.op == "where":
+                condition, *sides = node.args
+                other = self.stage.edited(node, where(condition, *sides[::-1]))
+                after = self._compared(other, self.all)
+                decided = base.beyond & ~(np.abs(_in_floors(after)) > ADEQUATE).any(axis=0)
+                left = replace(base, off=np.where(decided, after.off, base.off))
+                found.append(float(decided.sum()) + _bits(left))
+        return min(found)
 
     def _compared(self, stage: Stage, some: Index, rough: bool = False) -> Followed:
         data = replace(self.data, rough=self.data.rough.union((stage.name,) if rough else ()))
