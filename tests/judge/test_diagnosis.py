@@ -227,6 +227,27 @@ def test_a_number_that_is_reported_wrong_alone_is_wrong_once():
     assert step.followed.stage.name == "normal speed"
 
 
+def test_decisions_do_not_tell_which_number_of_a_condition_is_wrong():
+    """Balls slide that should grip, for one of many reasons; and other impulses are wrong, too."""
+    families = known("impact-oblique", "combined", "various-real", "at-bat-real")
+    data = truth([x for x in families if x.expected.impact and x.expected.impact.mode])
+    chain = specialised_to(data)
+    (at,) = (i for i, stage in enumerate(chain) if stage.name == "impulse")
+    (slide,) = (node for node in ordered(chain[at].roots.values()) if node.data == "P (slide)")
+    grips = np.array([case.expected.impact.mode == "grip" for case in data.cases])
+
+    def given(columns: dict[str, Any]) -> dict[str, Any]:
+        slides = (evaluate(slide, columns) * columns["n"]).sum(axis=0)
+        slides[np.flatnonzero(grips)[:4]] *= [1.3, 0.8, 1.1, 1.7]
+        return {"impact.impulse": np.where(grips, slides, columns["J"])}
+
+    data, columns = material.planted(data, chain, given)
+    wrong = material.off(chain[at], data, columns).beyond
+    assert wrong.sum() > 10
+    (step,) = reason(data, chain[at : at + 1]).steps
+    assert not step.explained
+
+
 @pytest.mark.parametrize("in_all_but_one", [True, False])
 def test_an_edit_may_be_made_in_a_part_of_the_formulas(in_all_but_one: bool):
     """Such as another lever in the bat's mass, but not in the arm of friction; or the reverse."""

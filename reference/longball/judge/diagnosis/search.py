@@ -372,22 +372,23 @@ class Explanation:
 
     # --- residuals --------------------------------------------------------------------------------
 
-    def _null(self) -> float:
-        """Cost of the residuals without an edit, in bits.
-
-        Each wrong scene that the other side of a branch explains is one decision: one bit.
-        """
-        base, roots = self.base, self.stage.roots.values()
-        found = [_bits(base)]
-        for node in ordered(roots) if self.stage.kind == "formula" else ():
+    @cached_property
+    def decided(self) -> NDArray[np.bool_]:
+        """The wrong scenes of `followed` that the other side of a branch explains."""
+        found = np.zeros_like(self.followed.beyond)
+        for node in ordered(self.stage.roots.values()) if self.stage.kind == "formula" else ():
             if node.op == "where":
                 condition, *sides = node.args
                 other = self.stage.edited(node, where(condition, *sides[::-1]))
-                after = self._compared(other, self.all)
-                decided = base.beyond & ~(np.abs(_in_floors(after)) > ADEQUATE).any(axis=0)
-                left = replace(base, off=np.where(decided, after.off, base.off))
-                found.append(float(decided.sum()) + _bits(left))
-        return min(found)
+                after = self._compared(other, self.followed.some)
+                found |= ~(np.abs(_in_floors(after)) > ADEQUATE).any(axis=0)
+        return found & self.followed.beyond
+
+    def _null(self) -> float:
+        """Cost of the residuals without an edit, in bits; a decision is one bit."""
+        decided = np.isin(self.all, self.followed.some[self.decided])
+        left = replace(self.base, off=np.where(decided, 0.0, self.base.off))
+        return float(decided.sum()) + _bits(left)
 
     def _compared(self, stage: Stage, some: Index, rough: bool = False) -> Followed:
         data = replace(self.data, rough=self.data.rough.union((stage.name,) if rough else ()))
@@ -808,7 +809,9 @@ class Explanation:
             if one.number <= NUMBER + DIGIT:
                 after = self._compared(self.edited(one.edit), self.followed.some, one.edit.rough)
                 mends, breaks = mended(self.followed, after)
-                if not breaks and self._is_exact(after):
+                # Any mistake in a condition may have the effect of one that only decides.
+                tell = (self.followed.beyond & ~after.beyond & ~self.decided).sum()
+                if tell >= FEWEST and not breaks and self._is_exact(after):
                     found[mends] += [(edit, one.evidence) for edit in one.alike]
         least = max(FEWEST, PART * self.followed.beyond.sum())
         for mends in sorted((n for n in found if n >= least), reverse=True):
