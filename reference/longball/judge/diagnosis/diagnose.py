@@ -348,7 +348,10 @@ def _explained(
     rest = in_steps or any(_shares_formula(stage, other) for other in edited)
     if rest and one.beyond.sum() < FEWEST:  # too few scenes to identify another mistake
         return [Located()]
-    layers, pairs = (ALONE[:2], 0) if rest else (ALONE, PAIRS[stage.kind])
+    # What no edit explains in one flight, hardly any explains in the next.
+    located = [s.followed.stage for s in steps if isinstance(s.found, Located)]
+    again = rest or any(_shares_formula(stage, other) for other in located)
+    layers, pairs = (ALONE[:2], 0) if again else (ALONE, PAIRS[stage.kind])
     search = Explanation(chain, stage, data, columns, one, layers, pairs)
     if not rest and (conditional := search.of_one_option()) is not None:
         return [conditional]
