@@ -151,7 +151,7 @@ def test_a_contact_at_a_step_is_pushed_from_there():
     engine = Verlet(dt=0.01)
     data, columns, _ = in_steps(engine, [case.scene for case in golden.load("at-bat")[::9]])
     (stage,) = (stage for stage in specialised_to(data) if stage.name == "flight")
-    columns = {**columns, "spin": columns[stage.spins]}
+    columns = stage.with_spin(columns)
     time = str(OWN["contact.time"].data)
 
     def landed(contact):

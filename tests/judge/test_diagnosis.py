@@ -290,7 +290,7 @@ def planted(
     chain = specialised_to(data)
     (stage,) = [stage for stage in chain if stage.name == at and stage.kind != "event"]
     columns, _ = follow(chain, data)
-    own, wrong = {**columns, "spin": columns[stage.spins]}, stage
+    own, wrong = stage.with_spin(columns), stage
     for text in words:
         every_edit = itertools.chain(
             edits(chain, stage, defaults(), own, most=math.inf),

@@ -203,7 +203,7 @@ def drives() -> Any:
     chain = specialised_to(data)
     (stage,) = (stage for stage in chain if stage.kind == "flight")
     columns, _ = follow(chain, data)
-    return stage, {**columns, "spin": columns[stage.spins]}
+    return stage, stage.with_spin(columns)
 
 
 RK4 = next(one for one in INTEGRATORS if one.words == "RK4")

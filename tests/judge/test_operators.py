@@ -632,7 +632,7 @@ def test_a_vector_is_replaced_by_a_vector():
     chain = specialised_to(data)
     columns, _ = follow(chain, data)
     (flight,) = (stage for stage in chain if stage.key == ("flight", "flight"))
-    own = {**columns, "spin": columns[flight.spins]}
+    own = flight.with_spin(columns)
     assert all(
         edit.new.vector == edit.place.vector for edit in edits(chain, flight, defaults(), own)
     )

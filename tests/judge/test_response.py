@@ -38,7 +38,7 @@ def stage_of(family: str, name: str) -> tuple[tuple[Stage, ...], Stage, dict[str
     short = ~(columns["hang_time"] > SHORT)
     flown = np.flatnonzero(told & short)
     own = take(columns, flown[np.linspace(0, len(flown) - 1, SCENES).astype(int)])
-    return chain, stage, {**own, "spin": own[stage.spins]}
+    return chain, stage, stage.with_spin(own)
 
 
 def edit_of(chain: tuple[Stage, ...], stage: Stage, columns: Any, words: str) -> Edit:

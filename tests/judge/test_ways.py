@@ -57,7 +57,7 @@ def flights(family: str = "flight-both", every: int = 6) -> tuple[Any, Any, Data
 def planted(way: Any, data: Data, chain: Any, stage: Any) -> tuple[Data, Any, Followed]:
     """Answers with the flights of an integrator; their columns, and the residuals of the stage."""
     data, columns = material.planted(
-        data, chain, lambda columns: way(stage, {**columns, "spin": columns[stage.spins]})[0]
+        data, chain, lambda columns: way(stage, stage.with_spin(columns))[0]
     )
     return data, columns, off(stage, data, columns)
 

@@ -335,7 +335,7 @@ def own_edits(seed: int, most: int) -> Iterator[Subject]:
             (s, e)
             for s in chain
             if s.kind != "event"
-            for e in edits(chain, s, defaults(), data.columns | {"spin": data.columns[s.spins]})
+            for e in edits(chain, s, defaults(), s.with_spin(data.columns))
         ]
         draw.shuffle(every)
         queues.append((families, chain, data, every))

@@ -245,8 +245,7 @@ def _effects(stage: Stage, columns: Columns, data: Data) -> _Effects | None:
         size = np.sqrt(np.square(np.atleast_2d(columns[str(OWN[told].data)][..., some])).sum(0))
         least = np.maximum(NOTICED * errors, SEEN * np.fmax(size, 1.0))
         rows += [least] * (3 if OWN[quantity].vector and stage.kind != "event" else 1)
-    own = take(columns, some)
-    own["spin"] = own[stage.spins]
+    own = stage.with_spin(take(columns, some))
     flies = stage.kind == "flight"
     at = Values(own)
     # The sensitivity of a ball without forces is right to a factor, which is enough (`NODES`).

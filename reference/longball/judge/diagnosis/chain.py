@@ -11,7 +11,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
-from typing import Literal, NamedTuple
+from typing import Any, Literal, NamedTuple
 
 from longball.judge.diagnosis.expression import (
     ARGUMENT,
@@ -871,6 +871,10 @@ class Stage:
     def spins(self) -> str:
         """The column of options of the switch `spin`: before the impact or after it."""
         return "spin" if "pitch" in self.scenes or self.name == "touching" else "spin after"
+
+    def with_spin(self, columns: Mapping[str, Any]) -> dict[str, Any]:
+        """Columns in which the switch `spin` has the options of the stage's ball."""
+        return {**columns, "spin": columns[self.spins]}
 
 
 _aim = vector(constant(0.0, M), I["aim_y"], I["aim_z"])

@@ -116,7 +116,7 @@ class _States:
     @cached_property
     def balls(self) -> Launched:
         own = take(self.columns, self.followed.some)
-        return launched(self.stage, {**own, "spin": own[self.stage.spins]})
+        return launched(self.stage, self.stage.with_spin(own))
 
     @cached_property
     def now(self) -> Array:
@@ -224,8 +224,7 @@ def event(
     if flight is None:
         return None
     some = followed.some[followed.wrong]
-    own = take(columns, some)
-    own["spin"] = own[flight.spins]
+    own = flight.with_spin(take(columns, some))
     name = str(OWN[quantity].data)
     with np.errstate(all="ignore"):
         balls = launched(flight, own)

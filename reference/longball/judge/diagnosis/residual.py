@@ -641,7 +641,7 @@ def stepped(balls: Launched, step: Step, h: Any, counts: Index) -> tuple[Array, 
 
 def values(stage: Stage, columns: Columns, limits: Stepping = FINE) -> dict[str, Array]:
     """The quantities of a stage, from the values of earlier stages; flights as in `flown`."""
-    columns = {**columns, "spin": columns[stage.spins]}
+    columns = stage.with_spin(columns)
     with np.errstate(all="ignore"):
         if stage.kind == "flight":
             balls = launched(stage, columns)
@@ -664,14 +664,13 @@ def _flown_once(
     known = data.flights.setdefault((limits, way, stage.quantities), {})
     names = sorted({stage.spins, *names_in(roots), *(way.reads if way else ())} & columns.keys())
     given = [columns[name] for name in names if columns[name].dtype.kind == "f"]
-    formulas = digests(roots, {**columns, "spin": columns[stage.spins]}).view(float)
+    formulas = digests(roots, stage.with_spin(columns)).view(float)
     rows = [*map(np.atleast_2d, given), formulas]
     numbers = np.ascontiguousarray(np.concatenate(rows).T)
     balls = [hashlib.blake2b(row.tobytes(), digest_size=16).digest() for row in numbers]
     new = np.array([i for i, ball in enumerate(balls) if ball not in known], dtype=int)
     if new.size or not balls:
-        some = take(columns, new)
-        some["spin"] = some[stage.spins]
+        some = stage.with_spin(take(columns, new))
         if way is not None:
             found, doubt = way(stage, some)
             again = {quantity: found[quantity] + doubt[quantity] for quantity in found}
@@ -911,7 +910,7 @@ def seen(chain: Sequence[Stage], data: Data) -> Data:
 
 def _jumping(stage: Stage, columns: Columns) -> NDArray[np.bool_]:
     """True in scenes in which a law has a jump or a table."""
-    columns = {**columns, "spin": columns[stage.spins]}
+    columns = stage.with_spin(columns)
     found: dict[Node, NDArray[np.bool_]] = {}
     none = np.zeros(len(columns["kind"]), dtype=bool)
     for node in ordered([stage.roots["law"]]):

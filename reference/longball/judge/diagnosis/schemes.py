@@ -187,8 +187,7 @@ class Steps:
 
     def columns_of(self, some: Index) -> dict[str, Any]:
         """Columns of some of the scenes."""
-        found = take(self.columns, self.followed.some[some])
-        return {**found, "spin": found[self.stage.spins]}
+        return self.stage.with_spin(take(self.columns, self.followed.some[some]))
 
     def rows(self, found: Mapping[str, Array]) -> Array:
         """Quantities as rows, in the order of `followed`."""

@@ -411,9 +411,8 @@ class Explanation:
         """Residuals of a stage in some of `all` scenes: shape (rows of c, numbers, scenes)."""
         # One copy of the scenes for each row of free numbers, all flown at once.
         c = np.zeros((1, 0)) if c is None else c
-        columns = take(self.columns, np.tile(self.all[some], len(c)))
+        columns = stage.with_spin(take(self.columns, np.tile(self.all[some], len(c))))
         columns |= {name: np.repeat(x, len(some)) for name, x in zip(NUMBERS, c.T, strict=False)}
-        columns["spin"] = columns[stage.spins]
         # A candidate's own steps are many: screening takes long steps of the exact path instead.
         way = self.data.way(stage) if limits.controlled else None
         found = values(stage, columns, limits) if way is None else way(stage, columns)[0]
@@ -523,8 +522,8 @@ class Explanation:
     @cached_property
     def likeliest(self) -> list[Edit]:
         """The edits of all layers, sorted by `rank`."""
-        wrong = take(self.columns, self.followed.some[self.followed.beyond])
-        options = {**wrong, "spin": wrong[self.stage.spins]}
+        wrong = self.followed.some[self.followed.beyond]
+        options = self.stage.with_spin(take(self.columns, wrong))
         most, found = max(layer.edits.stop for layer in self.layers), list[Edit]()
         for likely in (LIKELY, math.inf):
             if len(found) < min(FEW_EDITS, most):
@@ -538,8 +537,7 @@ class Explanation:
     @cached_property
     def rank(self) -> Callable[[Edit], float]:
         """The function by which edits are sorted; see `_by_use`."""
-        columns = take(self.columns, self.followed.some)
-        own = {**columns, "spin": columns[self.stage.spins]}
+        own = self.stage.with_spin(take(self.columns, self.followed.some))
         return _by_use(self.stage, self.followed, own)
 
     def _holds(self, found: Named, unseen: Unseen) -> bool:
@@ -555,7 +553,7 @@ class Explanation:
 
         A program may have separate code for these scenes.
         """
-        f, columns = self.followed, {**self.columns, "spin": self.columns[self.stage.spins]}
+        f, columns = self.followed, self.stage.with_spin(self.columns)
         # Search in the scenes with all options that the wrong scenes share: the others are right.
         shared, like = list[tuple[int, str, str]](), np.ones_like(f.beyond)
         for key in SWITCHES & columns.keys():
@@ -608,8 +606,8 @@ class Explanation:
         If the candidate's ball lands far off, there is a second path: the cubic between the
         candidate's own end states.
         """
-        flies, own = self.stage.kind == "flight", take(self.columns, self.all[self.mild])
-        known = Values({**own, "spin": own[self.stage.spins]})
+        flies = self.stage.kind == "flight"
+        known = Values(self.stage.with_spin(take(self.columns, self.all[self.mild])))
         way = (Response if flies else Direct)(self.stage, known)
         off, floor = self.base.off[:, self.mild], self.base.floor[:, self.mild]
         off = np.where(np.abs(off) >= HUGE, self._given(self.mild), off)
@@ -640,10 +638,10 @@ class Explanation:
         probe = self.probe = Values(_moved_at_random(self.stage, take(self.columns, scenes)))
         # The candidate's own point, and points beside it in all directions: see `_is_possible`.
         place = str(OWN[self.stage.quantities[0]].data)
-        own = take(self.columns, self.all) | {FREE: np.full(len(self.all), USUAL_NUMBER)}
+        own = self.stage.with_spin(take(self.columns, self.all))
+        own[FREE] = np.full(len(self.all), USUAL_NUMBER)
         self.there, *self.beside = (
-            Values({**own, "spin": own[self.stage.spins], place: own[place] + by})
-            for by in (0.0, MOVED, -MOVED)
+            Values({**own, place: own[place] + by}) for by in (0.0, MOVED, -MOVED)
         )
         # Rank the edits by their cost plus that of the errors that their first-order effects leave.
         responses = self.responses[layer.paths]
@@ -1149,7 +1147,7 @@ def _moved_at_random(stage: Stage, columns: Mapping[str, Any]) -> dict[str, Any]
     """Columns with every number moved at random: unequal edits then give unequal values."""
     draw = np.random.default_rng(0)
     moved: dict[str, Any] = {}
-    for name, column in columns.items():
+    for name, column in stage.with_spin(columns).items():
         if column.dtype.kind != "f":
             moved[name] = column
             continue
@@ -1167,7 +1165,7 @@ def _moved_at_random(stage: Stage, columns: Mapping[str, Any]) -> dict[str, Any]
         "r": 20.0 * draw.normal(size=(3, count)) + np.array([[0.0], [0.0], [30.0]]),
         "r0": draw.normal(size=(3, count)), "t": draw.uniform(0.1, 3.0, count),
         "path": draw.uniform(10.0, 90.0, count), "ω0": 100.0 * draw.normal(size=(3, count)),
-        FREE: draw.uniform(0.2, 0.9, count), "spin": columns[stage.spins],
+        FREE: draw.uniform(0.2, 0.9, count),
     }  # fmt: skip
     return moved
 

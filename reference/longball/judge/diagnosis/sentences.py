@@ -206,8 +206,7 @@ def formulas(stage: Stage, edit: Edit, data: Data) -> str | None:
 
 def _simple(node: Node, stage: Stage, data: Data) -> Node:
     """An expression without terms that are 0 and factors that are 1."""
-    columns = {**data.columns, "spin": data.columns[stage.spins]}
-    return specialised(node, columns, {})
+    return specialised(node, stage.with_spin(data.columns), {})
 
 
 def _body(node: Node) -> Node:
