@@ -84,3 +84,9 @@ def test_free_choices(tmp_path, monkeypatch):
 def test_an_index_is_no_free_choice(tmp_path, monkeypatch):
     found = changes("first = 2.0 * x[0] + x[-1]  # a free choice", tmp_path, monkeypatch)
     assert [change for change, _ in found] == ["Add -> Sub", "0 -> 1", "without -", "1 -> 2"]
+
+
+def test_every_reason_belongs_to_a_mutant():
+    reasons = mutants.known_reasons()
+    planted = {one.key for module in {key[0] for key in reasons} for one in mutants.mutants(module)}
+    assert [key for key in reasons if key not in planted] == []
