@@ -18,6 +18,7 @@ from pathlib import Path
 import pytest
 
 from longball.cli import COMMANDS
+from longball.judge.diagnosis.residual import NOISE
 from longball.judge.diagnosis.search import ALONE
 from tests.test_environment import PATIENCE
 
@@ -196,12 +197,13 @@ def test_there_is_something_to_try():
     assert sum(len(commands(page)) for page in PAGES) >= 5
 
 
-def test_the_page_on_trust_has_the_numbers_of_the_search():
+def test_the_page_on_trust_has_the_numbers_of_the_judge():
     page = " ".join((ROOT / "docs/truth.md").read_text(encoding="utf-8").split())
     small, cheap, others = ALONE
     assert f"the first {small.edits.stop:,} edits, then the first {cheap.edits.stop:,}" in page
     assert f"at most {others.edits.stop - others.edits.start:,} others" in page
     assert f"{small.tried} of the first layer or the {cheap.tried} of a later one" in page
+    assert f"max(tolerance, {NOISE:g} · max(|x|, 1))" in page
 
 
 def test_help_has_an_example_and_names_the_form_of_every_value(called):

@@ -1,4 +1,4 @@
-"""The program that plants faults: which it plants, and what it refuses."""
+"""Mutation testing: the faults that the program plants, and the errors that it reports."""
 
 from textwrap import dedent
 

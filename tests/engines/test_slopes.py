@@ -242,7 +242,7 @@ def test_rows_that_columns_leave_have_the_derivatives_of_their_scenes(scene, col
 
 
 def test_a_ball_that_grazes_the_bat_is_left_to_its_scene():
-    """By 1e-5 m: where it touches takes more digits than doubles have."""
+    """At a margin of 1e-5 m, the contact needs more digits than doubles have."""
     offsets = {"swing.height_offset": np.array([0.0697617089, 0.06])}
     table, slopes = solve_columns_with_slopes(as_scene(AT_BAT), offsets, ["pitch.speed"])
     assert table["contact.margin"][0] == pytest.approx(1e-5, rel=0.01)

@@ -212,7 +212,7 @@ def test_another_form_of_the_normal_is_no_mistake():
 
 
 def test_a_number_that_is_reported_wrong_alone_is_wrong_once():
-    """A program may compute the impulse from the velocities, and not from what it reports."""
+    """A program may compute the impulse from the velocities, not from its normal speed."""
     data = truth([case for case in known("impact") if case.scene.bat.friction is None][:40])
     chain = specialised_to(data)
 

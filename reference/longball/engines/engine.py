@@ -39,7 +39,7 @@ class Touch:
     """Contact of a pitch with the bat, or the miss."""
 
     margin: N  # m; `reach` minus the closest distance of the undisturbed pitch
-    # None if the margin is too small for a decision; of columns: 1 for a contact, 0 for a miss, -1
+    # None if the margin is too small for a decision; in columns 1, 0, and -1 for None
     touched: bool | None
     # Time, s since release, and state of the first contact; None without one.
     time: N | None = None

@@ -863,7 +863,11 @@ class Stage:
 
     @property
     def pool(self) -> tuple[Node, ...]:
-        """Other definitions that people use at the stage; see `OTHERWISE`."""
+        """Other definitions that people use at the stage.
+
+        They are those of `OTHERWISE` and, in place of the crossing of the plate, the point aimed
+        at.
+        """
         straight = self.kind != "flight" and any(contains(x, plate) for x in self.roots.values())
         return (*OTHERWISE.get(self.name, ()), *(_aimed_at,) * straight)
 

@@ -75,7 +75,8 @@ def lattice(times: Array, dt: float | None = None) -> tuple[float, float] | None
         first / np.arange(math.ceil(first / LONGEST), min(first / FINEST, MOST_STEPS) + 1)
         for first in known[:3]
     ])  # fmt: skip
-    # Nearly all of them fail for nearly every time, so that a few times leave few steps.
+    # Drop a step once too many times are off its lattice: a few times leave few steps, and all
+    # divisions at all times do not fit into memory.
     steps, misses = tried, np.zeros(len(tried), dtype=int)
     for time in known:
         counts = time / steps

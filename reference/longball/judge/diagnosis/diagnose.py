@@ -348,7 +348,7 @@ def _explained(
     rest = in_steps or any(_shares_formula(stage, other) for other in edited)
     if rest and one.beyond.sum() < FEWEST:  # too few scenes to identify another mistake
         return [Located()]
-    # What no edit explains in one flight, hardly any explains in the next.
+    # If no edit explains one flight, hardly any explains the next.
     located = [s.followed.stage for s in steps if isinstance(s.found, Located)]
     again = rest or any(_shares_formula(stage, other) for other in located)
     layers, pairs = (ALONE[:2], 0) if again else (ALONE, PAIRS[stage.kind])

@@ -51,7 +51,7 @@ from longball.judge.diagnosis.expression import (
     symbol,
 )
 from longball.judge.diagnosis.operators import GIVEN, LEFT_OUT, WITHOUT_BLOCK, ZERO, key_of
-from longball.judge.quantities import values_of
+from longball.judge.quantities import QUANTITIES, values_of
 from longball.model.air import Air
 from longball.model.arrays import Array
 from longball.model.numbers import DOUBLES
@@ -59,10 +59,10 @@ from longball.model.quantities import at as value_at
 
 # Relative error of a right value, from rounding in about a hundred steps of the candidate and of
 # the judge.
-ROUNDING = 1e-12  # a free choice
+ROUNDING = 1e-12
 # Relative error that needs no explanation, because a careful integrator makes it: RK4 at 1 ms has
 # 1e-11 at a landing, adaptive methods with a tolerance of 1e-10 have about 1e-9.
-NOISE = 2.5e-10  # a free choice
+NOISE = 2.5e-10
 
 
 class Stepping(NamedTuple):
@@ -879,11 +879,17 @@ def begun(data: Data) -> dict[str, Any]:
     return columns
 
 
-# What candidates do not report of a flight, by its stage: velocity, spin and path of the ball at
-# the bat, and its path after that. These follow from the flight, and are unknown where it is wrong.
-_BEFORE = frozenset(str(OWN[f"contact.{part}"].data) for part in ("velocity", "spin", "path"))
-_FLOWN = frozenset((str(OWN["flight.path"].data),))
-_UNREPORTED = {"pitch": _BEFORE, "touching": _BEFORE, "flight": _FLOWN}
+# Columns of what results do not report of a ball's flights, such as its velocity at the bat, by
+# stage. They follow from the flights, and are unknown if one of these is wrong.
+_UNREPORTED = {
+    one.key: frozenset(
+        str(OWN[quantity].data)
+        for other in CHAIN if other.kind == "flight"
+        and other.roots["velocity"] is one.roots["velocity"]
+        for quantity in other.quantities if quantity not in QUANTITIES
+    )
+    for one in CHAIN if one.kind == "flight"
+}  # fmt: skip
 # The formulas of the collision need a unit vector. A program that divides by R + r_b does not get
 # one if its ball is not on the bat's surface.
 _NORMAL, NOT_ONE = frozenset((str(n.data),)), 1e-6  # a free choice
@@ -938,7 +944,7 @@ def follow(
     columns = begun(data)
     found = []
     lost: dict[frozenset[str], Index] = dict.fromkeys(
-        (_BEFORE, _FLOWN, _NORMAL), np.zeros(0, dtype=int)
+        (*_UNREPORTED.values(), _NORMAL), np.zeros(0, dtype=int)
     )
     for stage in chain:
         some = np.flatnonzero(np.isin(columns["kind"], stage.scenes))
@@ -949,8 +955,7 @@ def follow(
                 some = np.setdiff1d(some, scenes)
         one, follows = compared(stage, data, columns, some)
         found.append(one)
-        if stage.kind == "flight" and stage.name in _UNREPORTED:
-            unknown = _UNREPORTED[stage.name]
+        if (unknown := _UNREPORTED.get(stage.key)) is not None:
             lost[unknown] = np.union1d(lost[unknown], some[one.wrong])
         if stage.kind == "event":  # an event gives no value, only the distance from its surface
             continue

@@ -807,7 +807,7 @@ class Explanation:
             if one.number <= NUMBER + DIGIT:
                 after = self._compared(self.edited(one.edit), self.followed.some, one.edit.rough)
                 mends, breaks = mended(self.followed, after)
-                # Any mistake in a condition may have the effect of one that only decides.
+                # Many mistakes in a condition have the same effect on its decisions.
                 tell = (self.followed.beyond & ~after.beyond & ~self.decided).sum()
                 if tell >= FEWEST and not breaks and self._is_exact(after):
                     found[mends] += [(edit, one.evidence) for edit in one.alike]
